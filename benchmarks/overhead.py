@@ -14,6 +14,7 @@ from unittest.mock import patch
 import footopt as fo
 from footopt.design.archive import Archive
 from footopt.design.solvers import Solver
+from footopt.walk import batch
 
 # functions of the same names hide these modules in their packages
 simulate_module = import_module("footopt.walk.simulate")
@@ -54,9 +55,9 @@ class Clock:
 
         with ExitStack() as stack:
             for owner, attribute, name in (
-                (simulate_module, "walk_range", "kernel"),
-                (simulate_module, "_walk_batch", "walk"),
-                (simulate_module, "as_plates", "plates"),
+                (batch, "walk_range", "kernel"),
+                (simulate_module, "walk_batch", "walk"),
+                (batch, "as_plates", "plates"),
                 (prepare_module, "soles", "blocks"),
                 (problem_module, "evaluate", "evaluate"),
                 (fo.FootProblem, "minimised", "judge"),

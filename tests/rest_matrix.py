@@ -15,9 +15,10 @@ from pathlib import Path
 import numpy as np
 
 import footopt as fo
+from footopt.walk.accuracy import resolve
 from footopt.walk.adapt import adapted
+from footopt.walk.batch import REASONS, Options, walk_batch
 from footopt.walk.metrics import Sample
-from footopt.walk.simulate import REASONS, _Options, _walk_batch, resolve
 
 FOOT = fo.Foot.from_waypoints([1, 2, 3, 4, 5, 6, 7, 8, 8, 8, 8])
 HOLLOW = fo.Foot.from_waypoints([8, 8, 4, 1, 1, 1, 1, 1, 4, 8, 8])
@@ -44,8 +45,8 @@ def stand(zeta, slope, numerics, t_f=60.0, foot=FOOT, gait=STILL):
     scene = fo.Scene(sand=fo.Sand(zeta), gait=gait, t_f=t_f, effects=effects)
     accuracy = adapted(resolve(accuracy), scene, foot)
     # `fo.simulate` would keep what each plate remembers at every step: at `reference` up to 40 GB
-    asked = _Options(sink=False, threads=1, traced=True, remembers=False)
-    walked = _walk_batch(foot.plates(accuracy.plates, accuracy.rule), scene, accuracy, asked)
+    asked = Options(sink=False, threads=1, traced=True, remembers=False)
+    walked = walk_batch(foot.plates(accuracy.plates, accuracy.rule), scene, accuracy, asked)
     c = Sample(*walked.trace[np.isfinite(walked.trace).all(axis=1)].T)
     com = np.stack([c.x, c.z], axis=1)
     late, carries = com[c.t > 0.5 * t_f], scene.walker.mass * scene.gravity[1]

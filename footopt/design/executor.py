@@ -25,7 +25,7 @@ import numpy as np
 from footopt.design.problem import Array, FootProblem, Ints, Words
 from footopt.design.store import ERROR, context, differences, listed
 from footopt.errors import EngineError, FootoptError, check, needed, one_line
-from footopt.walk.simulate import at_once, available_threads
+from footopt.walk.batch import at_once, available_threads
 
 IDLE = 3600.0  # s, for which a worker process stays without work
 ENGINES = ("local", "processes", "dask")

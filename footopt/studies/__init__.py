@@ -28,7 +28,7 @@ from footopt.studies.settings import (
     StudySettings,
     leaves,
 )
-from footopt.walk.simulate import at_once
+from footopt.walk.batch import at_once
 
 __all__ = ["STUDIES", "StudySettings", "check_read", "run_study", "studies_that_read"]
 

@@ -14,8 +14,8 @@ from footopt.sand import Sand
 from footopt.studies.base import Study
 from footopt.studies.settings import StudySettings
 from footopt.walk import FIVE, Scene, evaluate
+from footopt.walk.batch import available_threads
 from footopt.walk.reference import LIMITS, PUBLISHED, RAMP
-from footopt.walk.simulate import available_threads
 
 
 @dataclass

@@ -2,43 +2,31 @@
 
 from __future__ import annotations
 
-import math
-import os
-from collections.abc import Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import nullcontext
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from footopt.effects import base as effects
-from footopt.errors import SettingError, check, check_kind, check_whole
-from footopt.foot import Foot, Plates, Waypoints, as_feet, as_plates
-from footopt.foot.plates import RULES
+from footopt.errors import SettingError, check, check_kind
+from footopt.foot import Foot, Plates, Waypoints, as_feet
 from footopt.walk import discretize
 from footopt.walk.accuracy import Accuracy, resolve
 from footopt.walk.adapt import accuracies, adapted
-from footopt.walk.loop import BACKWARD, DIVERGED, OK, SUNK, Course, Output, walk_range
-from footopt.walk.metrics import RAW, TRACE, Sample
+from footopt.walk.batch import REASONS, Options, chunks, walk_batch
+from footopt.walk.loop import OK
+from footopt.walk.metrics import RAW, Sample
 from footopt.walk.objectives import FIVE, Objective, by_name, lookup
 from footopt.walk.results import Table, Walk, joined
 from footopt.walk.scene import Scene
 from footopt.walk.state import COUNTS
-from footopt.walk.steppers import STEPPERS
 
 Array = NDArray[np.float64]
 
-#: Why a walk failed, by the loop's status.
-REASONS = {OK: "", SUNK: "sunk", BACKWARD: "backward", DIVERGED: "diverged"}
 
 SAFE = 2.0  # times the differences to two refined walks, see `estimated`
-
-MAX_REPEATS = 3  # of a walk that diverged, each with a quarter of the time step before
-CHUNK = 4096  # designs whose plates are in memory at once
-POINTS = 4_000_000  # along their soles, at most
-BLOCK = 16  # designs that a thread takes at a time
 
 
 def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = "standard") -> Walk:
@@ -68,7 +56,7 @@ def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = 
     accuracy = adapted(resolve(accuracy), scene, foot)
     directed = effects.laws(scene.effects).directed
     plates = foot.plates(accuracy.plates, accuracy.rule, directed, effects.reshaping(scene.effects))
-    walked = _walk_batch(plates, scene, accuracy, _Options(sink=True, threads=1, traced=True))
+    walked = walk_batch(plates, scene, accuracy, Options(sink=True, threads=1, traced=True))
     rows, h = 1 + np.flatnonzero(np.isfinite(walked.trace[1:]).all(axis=1)), walked.bristles
     c: Any = Sample(*walked.trace[rows].T)  # columns
     return Walk(
@@ -187,8 +175,8 @@ def _evaluated(
 ) -> Table:
     """`evaluate` at an accuracy that holds for all feet."""
     chosen, sink = lookup(objectives), "maximum_sinkage" in objectives
-    chunks = _chunks(feet, scene, accuracy, space)
-    parts = [_walk_batch(plates, scene, accuracy, _Options(sink, threads))[:3] for plates in chunks]
+    given = chunks(feet, scene, accuracy, space)
+    parts = [walk_batch(plates, scene, accuracy, Options(sink, threads))[:3] for plates in given]
     raw, status, counts = (np.concatenate(column) for column in zip(*parts, strict=True))
     raw[status != OK] = np.nan
     if not sink:
@@ -235,103 +223,3 @@ def _scene(scene: Scene | None) -> Scene:
     found = Scene() if scene is None else scene
     check_kind(found, Scene, "scene", "Try fo.Scene(sand=...)")
     return found
-
-
-def available_threads() -> int:
-    """How many processors this process may run on."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-def at_once(given: int | None, setting: str = "engine.threads") -> int:
-    """How many threads or workers there are to be; None: as many as the process may run on."""
-    if given is None:
-        return available_threads()
-    check_whole(given, setting, 1, 4096, "Or null: all.")
-    return int(given)
-
-
-def _chunks(feet: Any, scene: Scene, accuracy: Accuracy, space: Waypoints | None) -> Iterator[Plates]:
-    """The feet's plates, a bounded number of designs at a time."""
-    directed, fill = effects.laws(scene.effects).directed, effects.reshaping(scene.effects)
-    if isinstance(feet, Plates):
-        if directed and feet.tx is None:
-            raise SettingError("feet", "plates without directions", "plates made with directed=True")
-        if fill is not None:
-            names = ", ".join(map(effects.name_of, effects.reshape_soles(scene.effects)))
-            raise SettingError("feet", "plates", f"feet or heights: effects={names} changes soles")
-        yield from (feet.take(slice(i, i + CHUNK)) for i in range(0, len(feet.x), CHUNK))
-        return
-    size = max(1, min(CHUNK, POINTS // (accuracy.plates * RULES[accuracy.rule])))
-    yield from (
-        as_plates(feet[i : i + size], accuracy.plates, accuracy.rule, space, directed, fill)
-        for i in range(0, len(feet), size)
-    )
-
-
-class _Options(NamedTuple):
-    """How the compiled loop walks with a batch; see `evaluate`."""
-
-    sink: bool  # whether to follow the maximum sinkage
-    threads: int | None
-    traced: bool = False
-    remembers: bool = True  # whether a trace has the bristles of every row, or the last
-
-
-def _walk_batch(plates: Plates, scene: Scene, accuracy: Accuracy, options: _Options) -> Output:
-    """Run the compiled loop over a batch.
-
-    Walks that diverge are repeated with a quarter of the time step, `MAX_REPEATS` times at most.
-    """
-    walked = _walk_once(plates, scene, accuracy, options)
-    for repeat in range(1, MAX_REPEATS + 1):
-        again = np.flatnonzero(walked.status == DIVERGED)
-        finer = replace(accuracy, dt=accuracy.dt / 4**repeat)
-        if len(again) == 0 or discretize.too_many_poses(scene, finer):
-            break
-        shorter = _walk_once(plates.take(again), scene, finer, options)
-        walked.raw[again], walked.status[again] = shorter.raw, shorter.status
-        for name in COUNTS.names or ():
-            walked.counts[name][again] += shorter.counts[name]
-        walked.counts["repeats"][again] = repeat
-        walked = walked._replace(trace=shorter.trace, bristles=shorter.bristles)
-    return walked
-
-
-def _walk_once(plates: Plates, scene: Scene, accuracy: Accuracy, options: _Options) -> Output:
-    """Walk a batch once, with the given time step."""
-    remembers = options.traced and options.remembers
-    check(
-        not remembers or discretize.bristle_bytes(scene, accuracy) <= discretize.MOST_BYTES,
-        "accuracy.plates",
-        accuracy.plates,
-        f"fewer for a walk of {scene.duration:g} s in steps of {accuracy.dt:.2g} s with bristles, "
-        "which are kept at every step",
-        "Or take a longer accuracy.dt; evaluate keeps nothing.",
-    )
-    stepper, designs = STEPPERS[accuracy.stepper], len(plates.x)
-    times, pose0, tables = discretize.poses(scene, accuracy)
-    soles = discretize.soles(plates)
-    rows, constants = len(tables[-1]) + 1 if options.traced else 0, discretize.world(scene, accuracy)
-    shape = rows if options.remembers else 1, 2, 2, soles.x.shape[1]
-    finest, control = len(tables) - 1, math.inf if accuracy.control is None else accuracy.control
-    tables += tables[:1] * (
-        discretize.HALVINGS - finest
-    )  # as many in any case: another number is compiled again
-    course = Course(times, pose0, tables, finest, control, scene.gait.heel_strike, options.sink)
-    out = Output(
-        raw=np.empty((designs, len(RAW))),
-        status=np.empty(designs, np.int64),
-        counts=np.zeros(designs, COUNTS),
-        trace=np.full((rows, len(TRACE)), np.nan),
-        bristles=None if constants.bristle_length is None else np.zeros(shape, np.float32),
-    )
-
-    def run(begin: int) -> None:
-        end = min(begin + BLOCK, designs)
-        walk_range(stepper.parameters, soles, constants, course, out, begin, end)
-
-    blocks = range(0, designs, BLOCK)
-    workers = min(at_once(options.threads), len(blocks))
-    with ThreadPoolExecutor(workers) if workers > 1 else nullcontext() as pool:
-        list((pool.map if pool else map)(run, blocks))
-    return out

@@ -3,7 +3,6 @@
 import math
 import os
 from dataclasses import dataclass, replace
-from importlib import import_module
 
 import numpy as np
 import pytest
@@ -12,12 +11,11 @@ from rest_matrix import spread, stand
 
 import footopt as fo
 from footopt.errors import SettingError
-from footopt.walk import discretize
+from footopt.walk import batch, discretize
 from footopt.walk.contact import contact
 from footopt.walk.discretize import MOST_BYTES, bristle_bytes, sole_of, world
 from footopt.walk.state import COUNTS, Implicit, Motion
 
-simulated = import_module("footopt.walk.simulate")  # a function of this name hides it
 STILL = fo.Gait.human(start=math.inf)
 DRIFT = 1e-6  # m, in a minute of standing
 PLACE = 1e-4  # m, by which numerics may move where he comes to rest
@@ -90,7 +88,7 @@ def test_a_walk_whose_memory_would_not_fit_is_refused(ramp_foot):
 
 def test_a_repeat_in_shorter_steps_must_fit_too(ramp_foot, monkeypatch):
     scene, accuracy = fo.Scene(effects=(fo.Rest(),)), fo.Accuracy()
-    monkeypatch.setattr(simulated, "walk_range", lambda *given: given[4].status.fill(simulated.DIVERGED))
+    monkeypatch.setattr(batch, "walk_range", lambda *given: given[4].status.fill(batch.DIVERGED))
     monkeypatch.setattr(discretize, "MOST_BYTES", 3 * bristle_bytes(scene, accuracy))
     with pytest.raises(SettingError, match=r"accuracy\.plates = 64: .* in steps of 0\.001"):
         fo.simulate(ramp_foot, scene, accuracy)

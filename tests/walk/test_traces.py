@@ -47,7 +47,7 @@ class TestFailures:
     LONG = fo.Accuracy("explicit_euler", 0.01)
 
     def test_an_explicit_step_too_long_for_a_light_walker_diverges(self, flat_foot, monkeypatch):
-        monkeypatch.setattr(sys.modules["footopt.walk.simulate"], "MAX_REPEATS", 0)
+        monkeypatch.setattr(sys.modules["footopt.walk.batch"], "MAX_REPEATS", 0)
         walk = fo.simulate(flat_foot, self.LIGHT, self.LONG)
         assert walk.reason == "diverged"
         assert all(math.isnan(value) for value in walk.objectives.values())

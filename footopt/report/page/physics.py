@@ -15,10 +15,10 @@ from footopt.report.stage import ARROWS
 from footopt.sand.law import EARTH, PER_CM3
 from footopt.walk import Accuracy, Scene, discretize, newton
 from footopt.walk.adapt import adapted
+from footopt.walk.batch import MAX_REPEATS
 from footopt.walk.contact import BENT, EXPOSED, TURN
 from footopt.walk.loop import NEAR_PEAK, PEAK
 from footopt.walk.objectives import FLOORS
-from footopt.walk.simulate import MAX_REPEATS
 from footopt.walk.steppers import STEPPERS
 
 STEPPER = "sdirk2"
