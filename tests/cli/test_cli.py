@@ -97,7 +97,7 @@ class TestOptimize:
 
     @pytest.mark.slow
     def test_two_runs_at_once_do_not_share_a_folder(self, tmp_path):
-        runs = [started("study=simulate", "accuracy=draft", cwd=tmp_path) for _ in range(2)]
+        runs = [started("study=simulate", "accuracy=draft", "report=none", cwd=tmp_path) for _ in range(2)]
         for run in runs:
             _, err = run.communicate(timeout=LIMIT)
             assert run.returncode == 0, err

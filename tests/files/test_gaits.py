@@ -42,7 +42,7 @@ def drawn(seed):
 
 
 class TestStrides:
-    @pytest.mark.parametrize("seeds", [range(20), pytest.param(range(20, 50), marks=pytest.mark.slow)])
+    @pytest.mark.parametrize("seeds", [range(15), pytest.param(range(15, 30), marks=pytest.mark.slow)])
     def test_of_random_recordings_period_and_angles_are_right(self, seeds):
         """In 400 the largest error of an angle was half a degree: docs/files.md."""
         for seed in seeds:

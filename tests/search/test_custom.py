@@ -139,7 +139,7 @@ def test_worker_processes_load_plugins_too(tmp_path):
     for engine in ("local", "processes"):
         folder = tmp_path / engine
         words = [
-            f"engine={engine}", "accuracy=draft", "sand=soft",
+            f"engine={engine}", "accuracy=draft", "accuracy.stepper=explicit_euler", "sand=soft",
             f"plugins=[{CUSTOM / 'effect.py'},{CUSTOM / 'objective.py'}]",
             "effects.own={floor: {depth: 0.08}}", "objective.names=[work_per_metre]", "solver.n_gen=2",
             "solver.pop_size=8", "study.confirm=null", "study.finalists=2", f"hydra.run.dir={engine}",

