@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from importlib import import_module
 from numbers import Integral, Real
@@ -33,17 +32,12 @@ class SettingError(FootoptError, ValueError):
     allowed : str
         What is allowed, in words.
     hint : str, optional
-        What to try; by default the nearest of the names that are allowed.
+        What to try.
     """
 
     def __init__(self, setting: str, value: object, allowed: str, hint: str = "") -> None:
         self.setting, self.value, self.allowed, self.hint = setting, value, allowed, hint
         message = f"{setting} = {shortened(repr(value), 160)}: must be {allowed}."
-        _, listed, names = allowed.replace(" of: ", " of ").partition(" of ")
-        mark = "; " if "; " in names else ", "  # a name may hold a comma
-        close = meant(value, names.split(mark)) if listed and isinstance(value, str) else ""
-        if close and not hint:
-            hint = f"Did you mean {close}?"
         super().__init__(f"{message} {hint}" if hint else message)
 
     def __reduce__(self) -> tuple[object, ...]:
@@ -88,16 +82,6 @@ def shortened(text: str, most: int) -> str:
     return text if len(text) <= most else f"{text[:keep]} ... {text[-keep:]}"
 
 
-def meant(given: str, names: Iterable[str]) -> str:
-    """The name that was probably meant, or ""."""
-    # of names that differ in their case, such as foot.k and foot.K, the last one has that which was given
-    alike = sorted(names, key=lambda name: sum(a == b for a, b in zip(given[::-1], name[::-1], strict=False)))
-    lower, word = {name.lower(): name for name in alike}, given.lower()
-    starts = [name for name in lower if len(word) > 2 and name.startswith(word)]
-    close = starts or difflib.get_close_matches(word, lower, n=1, cutoff=0.6)
-    return lower[close[0]] if close else ""
-
-
 def check(condition: object, setting: str, value: object, allowed: str, hint: str = "") -> None:
     """Raise `SettingError` unless `condition` holds (a NaN comparison does not)."""
     if not condition:
@@ -117,14 +101,12 @@ def check_whole(value: Any, setting: str, least: int, most: int, hint: str = "")
 
 def check_kind(value: object, kind: type, setting: str, hint: str) -> None:
     """Raise `SettingError` unless `value` is a `kind`: what is only used later would fail far from here."""
-    article = "an" if kind.__name__[0] in "AEIOU" else "a"
-    check(isinstance(value, kind), setting, value, f"{article} {kind.__name__}", hint)
+    check(isinstance(value, kind), setting, value, f"of type {kind.__name__}", hint)
 
 
 def named(path: str | Path, setting: str) -> str:
-    """How a message begins: the setting and the file, of a long path its end."""
-    text = str(path)
-    return f"{setting} = {text if len(text) <= 160 else '...' + text[-157:]!r}"
+    """How a message begins: the setting and the file."""
+    return f"{setting} = {shortened(str(path), 160)!r}"
 
 
 @contextmanager
@@ -136,12 +118,11 @@ def naming(path: str | Path, setting: str) -> Iterator[None]:
         raise FileError(f"{named(path, setting)}: {why}") from None
 
 
-def flat(settings: Mapping[str, Any], name: str = "") -> dict[str, Any]:
+def flat(settings: Any, name: str = "") -> dict[str, Any]:
     """Nested settings by their full names; a list is a value, unless it is one of settings."""
-    found: dict[str, Any] = {}
-    for key, value in settings.items():
-        path = f"{name}.{key}" if name else str(key)
-        if isinstance(value, list) and value and isinstance(value[0], Mapping):
-            value = dict(enumerate(value))
-        found |= flat(value, path) if isinstance(value, Mapping) and value else {path: value}
-    return found
+    if isinstance(settings, list) and settings and isinstance(settings[0], Mapping):
+        settings = dict(enumerate(settings))
+    if not (isinstance(settings, Mapping) and settings):
+        return {name: settings}
+    parts = (flat(value, f"{name}.{key}" if name else str(key)) for key, value in settings.items())
+    return {full: value for part in parts for full, value in part.items()}

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from difflib import get_close_matches
 
 from hydra.errors import HydraException
 from omegaconf.errors import ConfigAttributeError, ConfigKeyError, OmegaConfBaseException
 from yaml import YAMLError
 
 from footopt.cli.compose import groups
-from footopt.errors import FootoptError, SettingError, meant
+from footopt.errors import FootoptError, SettingError
 from footopt.studies import studies_that_read
 from footopt.studies.settings import known
 
@@ -84,12 +85,17 @@ def translate(error: BaseException, overrides: Sequence[str]) -> FootoptError | 
     return None
 
 
+def _meant(given: str, names: Iterable[str]) -> str:
+    """The name that was probably meant, or ""."""
+    return next(iter(get_close_matches(given, names, n=1)), "")
+
+
 def _syntax(name: str, equals: str, value: str) -> str:
     """Why an override is no setting, and what to try."""
     if name and equals:
         return f"the value cannot be read. Lists have no spaces; others need quotes: {name}=\"'{value}'\""
     owners = {choice: group for group, choices in groups().items() for choice in choices}
-    close = meant(name, owners)
+    close = _meant(name, owners)
     hint = f"Try {owners[close]}={close}" if close else f"Such as sand=soft; {MORE}"
     return f"settings are given as name=value. {hint}"
 
@@ -101,6 +107,6 @@ def _unknown(name: str, value: str, study: str) -> FootoptError:
         why = f"left out: study={study} does not read it"
         return SettingError(name, value, why, f"It is read by study={readers}.")
     same = [other for other in names if other.endswith(f".{name.rpartition('.')[2]}")]
-    close = next(iter(same), "") or meant(name, [*groups(), *names])
+    close = next(iter(same), "") or _meant(name, [*groups(), *names])
     hint = f"Did you mean {close}={value}?" if close else MORE
     return FootoptError(f"{name}: there is no such setting. {hint}")

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.errors import check, one_line
+from footopt.errors import check
 from footopt.foot.plates import RULES, Fill, Plates, along_arc, arc_and_turns
 from footopt.foot.shapes import SHAPES
 from footopt.foot.waypoints import Waypoints, check_dimensions, check_length, heights_text
@@ -62,7 +62,6 @@ class Foot:
     notes: tuple[str, ...] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "name", one_line(self.name))
         contour = np.asarray(self.contour, float)
         check(
             contour.ndim == 2 and contour.shape[1] == 2 and len(contour) >= 2 and np.isfinite(contour).all(),

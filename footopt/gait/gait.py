@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from footopt.errors import SettingError, check, check_whole, one_line
+from footopt.errors import SettingError, check, check_whole
 from footopt.gait import start
 from footopt.gait.fourier import Fourier
 
@@ -86,7 +86,6 @@ class Gait:
     residual: tuple[tuple[str, float], ...] = ()
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "name", one_line(self.name))
         check(1e-3 <= self.period <= 1e3, "gait.period", self.period, "a time from 0.001 to 1000, in s")
         check(
             0 <= self.start <= 1e5 or self.start == math.inf,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from footopt.errors import SettingError, check, is_number, one_line
+from footopt.errors import SettingError, check, is_number
 from footopt.sand.law import GENERIC, StressMap
 
 #: zeta of sands by name: the paper's three, and media measured in the literature
@@ -49,7 +49,6 @@ class Sand:
     fit_error: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "name", one_line(self.name))
         check(
             is_number(self.zeta) and 1e-6 <= self.zeta <= 1e6,
             "sand.zeta",

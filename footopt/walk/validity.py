@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -143,26 +142,3 @@ def non_dissipative(walk: Walk) -> list[Diagnostic]:
     )
     found = Diagnostic("power that the sand gives", gives, "N/cm^3", 0.0, why)
     return [found] if found.outside else []
-
-
-@lru_cache(maxsize=1)  # three measures of one walk
-def _by_name(walk: Walk) -> dict[str, float]:
-    return {d.name: d.value for d in diagnose(walk)}
-
-
-@measure("walk", r"$\bar v$", "m/s", maximise=False, worst=1e3, least=0.0)
-def plate_speed(walk: Walk) -> float:
-    """Speed of the plates, weighted by their force, m/s: RFT is tested for slow motion."""
-    return _by_name(walk)["force-weighted plate speed"]
-
-
-@measure("walk", r"$s_{\mathrm{inertia}}$", "", maximise=False, worst=1e3, least=0.0)
-def inertial_share(walk: Walk) -> float:
-    """Share of the force that the grains' inertia has, or would have."""
-    return _by_name(walk)["inertial share of the force"]
-
-
-@measure("walk", r"$s_{\mathrm{trailing}}$", "", maximise=False, worst=1e3, least=0.0)
-def trailing_share(walk: Walk) -> float:
-    """Share of |W| on faces that trail."""
-    return _by_name(walk)["share of |W| on trailing faces"]

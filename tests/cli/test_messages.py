@@ -47,10 +47,10 @@ WRONG = {
     # values that the library refuses
     "sand.zeta=0": "sand.zeta = 0",
     "accuracy.plates=1": "accuracy.plates = 1: must be a whole number",
-    "study.confirm=fien": "Did you mean fine?",
+    "study.confirm=fien": "must be one of draft, standard, fine",
     "report=some": "report = 'some': must be one of none, light, full",
     "study=simulate foot.k=[1,2,3]": "must be 11 whole numbers (foot.n) from 1 to 10",
-    "study=validate study.cases=[Wheel]": "Did you mean wheel?",
+    "study=validate study.cases=[Wheel]": "must be one of wheel",
     "solver=ga objective=pareto": "solver = 'ga'",
     "gait=file": "gait.path = None",
     "gait=file gait.path=nowhere.mot": "gait.path = 'nowhere.mot'",
