@@ -49,27 +49,12 @@ def numbers(values: Sequence[float]) -> tuple[float, ...] | Array:
     return tuple(values) if len(values) <= FEW else np.array(values, dtype=np.float64)
 
 
-class Scale(NamedTuple):
-    """Rough numbers of a scene, from which an effect estimates its size before anything walks."""
-
-    stress: float  # zeta alpha_z of a level plate that moves down, N/m^3
-    pull: float  # the same when it moves up, N/m^3: negative where sand holds it back
-    depth: float  # to which a level foot sinks, m
-    speed: float  # with which a foot is set down, m/s
-    distance: float  # walked, m
-    hollow: float = 0.01  # depth of the sole's grooves, m: of a typical one, where no foot is known
-    sweep: float = 0.0  # fastest of a foot that is no higher over the other one than that has sunk, m/s
-
-
 class Effect:
     """A walk's questions to an effect; the answers here are those of an effect that changes nothing.
 
-    ``number`` says in words what `estimate` is, ``source`` where the parameters are from, ``literature``
-    whether the default ones are of sand in general, so that an effect may be proposed to any scene.
+    ``literature`` says whether its default parameters are of sand in general: `effects=auto` tries those.
     """
 
-    number = "its own estimate"
-    source = "the scene itself"
     literature = False
     plausible = False  # whether it may be true of any walk, so that an answer should hold with it and without
     is_inertia = False  # whether its push is what the sand's momentum takes
@@ -122,10 +107,6 @@ class Effect:
     def reshape(self, points: Array) -> Array:
         """Soles (designs, points, 2), m, as plates are to be cut from them."""
         return points
-
-    def estimate(self, scale: Scale) -> float:
-        """The relative change of the force on a typical plate."""
-        return math.nan
 
 
 #: Effects by the names that settings give them, in the order in which they act.

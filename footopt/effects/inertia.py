@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from footopt.effects.base import EFFECTS, Effect, Scale
+from footopt.effects.base import EFFECTS, Effect
 from footopt.effects.dual import clipped, positive
 from footopt.errors import check
 
@@ -48,7 +48,6 @@ class Inertia(Effect):
     factor: float = 1.1
     rho: float = 1600.0
     literature, is_inertia, in_page, plates_factor = True, True, True, 2.0
-    number, source = "lambda rho v^2 / (lambda rho v^2 + zeta alpha_z z), swung", "Agarwal et al. (2021)"
 
     def __post_init__(self) -> None:
         check(0 <= self.factor <= 1e3, "effects.inertia.factor", self.factor, "a number >= 0 and <= 1000")
@@ -63,11 +62,6 @@ class Inertia(Effect):
     def is_identity(self) -> bool:
         """Whether lambda rho is 0."""
         return self.factor * self.rho == 0.0
-
-    def estimate(self, scale: Scale) -> float:
-        """Share of lambda rho v^2 in the pressure on a foot swung as deep in the sand as the other."""
-        inertial = self.law.density * scale.sweep**2
-        return inertial / (inertial + scale.stress * scale.depth)
 
 
 EFFECTS["inertia"] = Inertia

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from footopt.effects.base import EFFECTS, MOST, Array, Effect, Scale, numbers
+from footopt.effects.base import EFFECTS, MOST, Array, Effect, numbers
 from footopt.effects.dual import positive
 from footopt.errors import check
 
@@ -50,7 +50,7 @@ class Layers(Effect):
 
     depths: tuple[float, ...] = (0.03,)
     factors: tuple[float, ...] = (0.3,)
-    number, in_page = "change of strength at the depth z", True
+    in_page = True
 
     def __post_init__(self) -> None:
         depths, factors = tuple(map(float, self.depths)), tuple(map(float, self.factors))
@@ -84,10 +84,6 @@ class Layers(Effect):
     def strata(self) -> tuple[tuple[float, float, float], ...]:
         """Each layer below the first."""
         return tuple(zip(self.depths, (*self.depths[1:], math.inf), self.factors, strict=True))
-
-    def estimate(self, scale: Scale) -> float:
-        """Relative change of the stress at the depth to which a foot sinks."""
-        return abs(float(self.law.load(scale.depth, scale.depth, 0.0)) / scale.depth - 1.0)
 
 
 EFFECTS["layers"] = Layers

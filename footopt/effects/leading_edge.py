@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from footopt.effects.base import EFFECTS, Effect, Scale
+from footopt.effects.base import EFFECTS, Effect
 from footopt.effects.dual import smooth_step
 
 
@@ -31,11 +31,6 @@ class LeadingEdge(Effect):
 
     law = LeadingEdgeLaw()
     literature, plausible, in_page, plates_factor = True, True, True, 4.0
-    number, source = "stress of a plate pulled up / pushed down", "Agarwal, Goldman & Kamrin (2023)"
-
-    def estimate(self, scale: Scale) -> float:
-        """The pull on a level plate that is lifted, over the push on one that sinks."""
-        return abs(scale.pull) / scale.stress
 
 
 EFFECTS["leading_edge"] = LeadingEdge

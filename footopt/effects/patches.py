@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from footopt.effects.base import EFFECTS, MOST, Array, Effect, Scale, numbers
+from footopt.effects.base import EFFECTS, MOST, Array, Effect, numbers
 from footopt.effects.dual import clipped
 from footopt.errors import check
 
@@ -59,7 +59,7 @@ class Patches(Effect):
     ends: tuple[float, ...] = (0.95,)
     factors: tuple[float, ...] = (0.2,)
     blur: float = 0.05
-    number, in_page = "change of strength along the way", True
+    in_page = True
 
     def __post_init__(self) -> None:
         for name in ("begins", "ends", "factors"):
@@ -108,11 +108,6 @@ class Patches(Effect):
         """The narrowest patch, or gap between two, and at least half the blur."""
         edges = np.unique([*self.begins, *self.ends])
         return max(float(np.diff(edges).min()), self.blur / 2)
-
-    def estimate(self, scale: Scale) -> float:
-        """Largest relative change of the stress on the way."""
-        on_the_way = (abs(f - 1.0) for begin, end, f in self.zones if begin < scale.distance and end > 0.0)
-        return max(on_the_way, default=0.0)
 
 
 EFFECTS["patches"] = Patches

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from footopt.effects.base import BRISTLE_LENGTH, EFFECTS, Effect, Scale
+from footopt.effects.base import BRISTLE_LENGTH, EFFECTS, Effect
 from footopt.errors import check
 
 
@@ -35,7 +35,6 @@ class Rest(Effect):
 
     length: float = BRISTLE_LENGTH
     plates_factor = 2.0
-    number, source = "elastic length / z", "Dahl (1968)"
 
     def __post_init__(self) -> None:
         check(
@@ -50,10 +49,6 @@ class Rest(Effect):
     def bristle_length(self) -> float:
         """delta, m."""
         return float(self.length)
-
-    def estimate(self, scale: Scale) -> float:
-        """delta over the depth to which a foot sinks."""
-        return self.length / scale.depth
 
 
 EFFECTS["rest"] = Rest

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.compiled import cached_njit
-from footopt.effects.base import EFFECTS, Effect, Scale
+from footopt.effects.base import EFFECTS, Effect
 from footopt.errors import check
 
 Array = NDArray[np.float64]
@@ -38,7 +38,6 @@ class Shadowing(Effect):
 
     effective: float = 1.0 / 3.0
     literature = plausible = True
-    number, source = "depth of the hollow that does not count / z", "Agarwal et al. (2021)"
 
     def __post_init__(self) -> None:
         check(0 <= self.effective <= 1, "effects.shadowing.effective", self.effective, "a part, from 0 to 1")
@@ -47,10 +46,6 @@ class Shadowing(Effect):
     def is_identity(self) -> bool:
         """Whether all of a groove counts."""
         return self.effective == 1.0
-
-    def estimate(self, scale: Scale) -> float:
-        """The part of a groove's depth that does not count, over the depth to which a foot sinks."""
-        return (1.0 - self.effective) * scale.hollow / scale.depth
 
     def reshape(self, points: Array) -> Array:
         """Soles (designs, points, 2), m, with what is left of their grooves."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from footopt.effects.base import EFFECTS, Effect, Scale
+from footopt.effects.base import EFFECTS, Effect
 from footopt.errors import check
 
 
@@ -29,7 +29,7 @@ class Slope(Effect):
     """
 
     angle: float = 5.0
-    number, in_page = "weight along the plane / weight", True
+    in_page = True
 
     def __post_init__(self) -> None:
         check(
@@ -49,10 +49,6 @@ class Slope(Effect):
         """-g sin(angle) along the plane, g cos(angle) against its normal."""
         angle = math.radians(self.angle)
         return -g * math.sin(angle), g * math.cos(angle)
-
-    def estimate(self, scale: Scale) -> float:
-        """Weight along the plane over weight."""
-        return abs(math.sin(math.radians(self.angle)))
 
 
 EFFECTS["slope"] = Slope

@@ -17,7 +17,6 @@ from footopt.effects.base import parameters
 from footopt.errors import check
 from footopt.foot import Foot, Waypoints
 from footopt.report.numbers import percent
-from footopt.studies import screening
 from footopt.studies.base import Study
 from footopt.studies.build import make_scene
 from footopt.studies.settings import Config
@@ -187,17 +186,14 @@ def choose_effects(study: Study, foot: Foot | None = None) -> tuple[Scene, dict[
     scene : Scene
         With these effects.
     entry : dict
-        Of result.json: the audits, the screening, and the changes that the effects left out would make.
+        Of result.json: the audits, and the changes that the effects left out would make.
     """
     config, space = study.config, study.space
     if not config.effects.auto:
-        return study.scene, {"effects_audit": [], "screening": [], "left_out": {}}
+        return study.scene, {"effects_audit": [], "left_out": {}}
     scene = make_scene(replace(config, effects=replace(config.effects, auto=False)))
     feet: Any = [foot] if foot else space.random(RANDOM_FEET, seed=study.seed, inside=True)
-    soles = [foot] if foot else [Foot.from_waypoints(k, space) for k in feet]
     limit, audits = tolerance(config), list[Audit]()
-    criteria = screening.screening(scene, soles, limit)
-    study.say(screening.table(criteria))
     for effect in every_effect(scene):
         if effect.literature and effect not in scene.effects:
             with study.compiling(f"a walk with {name_of(effect)}"):
@@ -213,6 +209,5 @@ def choose_effects(study: Study, foot: Foot | None = None) -> tuple[Scene, dict[
     sizes = np.nan_to_num(exceeded(relative_changes(without, with_)))
     return scene, {
         "effects_audit": [a.entry for a in audits],
-        "screening": screening.entry(criteria),
         "left_out": dict(zip(FIVE, sizes.tolist(), strict=True)),
     }

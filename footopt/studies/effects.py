@@ -1,4 +1,4 @@
-"""study=effects: which effects a scene calls for, by the screening and the audit of each."""
+"""study=effects: which effects a scene calls for, by the audit of each."""
 
 from __future__ import annotations
 
@@ -9,10 +9,8 @@ from rich.table import Table
 
 from footopt.effects import name_of
 from footopt.errors import check
-from footopt.foot import Foot
 from footopt.report import terminal
 from footopt.report.numbers import percent
-from footopt.studies import screening
 from footopt.studies.audit import Audit, audit, every_effect, switched, tolerance
 from footopt.studies.base import Study, accuracy_entry, scene_entry
 from footopt.studies.settings import FEET_HELP, SCENE, SPACE, StudySettings, setting
@@ -34,7 +32,6 @@ def run(study: Study) -> None:
     check(2 <= count <= 10_000, "study.feet", count, "2, to rank them, to 10,000")
     scene, space, accuracy, limit = study.scene, study.space, study.accuracy, tolerance(study.config)
     feet = space.random(count, seed=study.seed, inside=True)
-    criteria = screening.screening(scene, [Foot.from_waypoints(k, space) for k in feet], limit)
     effects, found = every_effect(scene), list[Audit]()
     with study.compiling("a walk for each effect, minutes in all"):
         for effect in effects:
@@ -46,9 +43,8 @@ def run(study: Study) -> None:
     walked = [accuracy_entry(accuracy, switched(effect, scene)[1], space) for effect in effects]
     study.conclude(
         "The changes by each effect",
-        [screening.table(criteria), table(found)],
+        [table(found)],
         {
-            "screening": screening.entry(criteria),
             "seed": study.seed,
             "feet": feet.tolist(),
             **scene_entry(scene, accuracy, ()),

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
 from footopt.effects import base as effects
-from footopt.effects.base import Effect, Scale, ordered
+from footopt.effects.base import Effect, ordered
 from footopt.errors import SettingError, check, check_kind
 from footopt.gait import Gait
 from footopt.sand import Sand, alpha
@@ -24,8 +25,16 @@ WALKERS = {
 }
 
 
-#: For estimates before a walk: a sole's area, m^2, a stride over the length of a leg, and phases of a stride.
-SOLE, STRIDE, PHASES = 0.026, 1.3, 241
+#: For rough numbers before a walk: a sole's area, m^2, and a stride over the length of a leg.
+SOLE, STRIDE = 0.026, 1.3
+
+
+class Scale(NamedTuple):
+    """Rough numbers of a scene."""
+
+    stress: float  # zeta alpha_z of a level plate that moves down, N/m^3
+    depth: float  # to which a level foot sinks, m
+    distance: float  # walked, m
 
 
 @dataclass(frozen=True)
@@ -140,32 +149,12 @@ class Scene:
 
     @cached_property
     def scale(self) -> Scale:
-        """Rough numbers of the walk, from which effects estimate their size before anything walks."""
-        zeta = self.zeta
-        (_, down), (_, up) = (alpha(0.0, gamma, self.sand.stress_map) for gamma in (np.pi / 2, -np.pi / 2))
-        strike = self.gait.heel_strike if math.isfinite(self.gait.start) else 0.0
-        pose = self.gait.pose(np.array([strike]), self.walker.l1, self.walker.l2)
-        stress = zeta * float(down)
-        depth = self.walker.weight / (stress * SOLE)
-        step = 0.5 * STRIDE * (self.walker.l1 + self.walker.l2)
+        """Rough numbers of the walk, before anything walks."""
+        _, down = alpha(0.0, np.pi / 2, self.sand.stress_map)
+        stress = self.zeta * float(down)
         strides = max(self.duration - self.gait.start, 0.0) / self.gait.period
-        return Scale(
-            stress=stress,
-            pull=zeta * float(up),
-            depth=depth,
-            speed=float(np.abs(pose.vz).max()),
-            distance=2.0 * step * strides,
-            sweep=self.sweep(depth),
-        )
-
-    def sweep(self, depth: float) -> float:
-        """Fastest of a foot, m/s, that is no higher or lower than the other one by so much, m."""
-        begin = self.gait.heel_strike if math.isfinite(self.gait.start) else 0.0
-        t = begin + np.linspace(0.0, self.gait.period, PHASES)
-        stride = self.gait.pose(t, self.walker.l1, self.walker.l2)
-        level = np.abs(stride.z[:, 0] - stride.z[:, 1]) < depth
-        along, up = (v[level, 0] - v[level, 1] for v in (stride.vx, stride.vz))
-        return float(np.hypot(along, up).max(initial=0.0))
+        length = STRIDE * (self.walker.l1 + self.walker.l2)
+        return Scale(stress, self.walker.weight / (stress * SOLE), length * strides)
 
     def need_heel_strike(self) -> None:
         """Raise unless the walk has a heel strike: without one p_max and dV_x are not defined."""

@@ -86,7 +86,6 @@ def test_the_study_from_the_command_line(tmp_path):
     assert walked["leading_edge"].plates == fo.LeadingEdge().plates_factor * walked["slope"].plates
     check_page(tmp_path / "out")
     assert "leading edge changes" in done.stdout
-    assert {c["kind"] for c in result["screening"]} == {"effect", "not in footopt"}
 
 
 @pytest.mark.slow
@@ -107,7 +106,6 @@ def test_auto_simulates_what_matters_and_what_is_given_and_records_why(given, tm
         name: whether for name, whether in matters.items() if name not in given
     }
     assert "effects=auto: inertia changes" in done.stdout
-    assert {c["name"] for c in result["screening"]} >= {"leading edge", "inertia", "cohesion"}
     assert 0.0 < result["left_out"]["work"] < 0.2  # by inertia and shadowing together
     known = model_error(fo.load(only_folder(tmp_path)).walk())
     assert known["work"] < result["model_error"]["work"] < known["work"] + result["left_out"]["work"]
