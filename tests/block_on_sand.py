@@ -13,7 +13,6 @@ BLOCK = """
 <mujoco>
   <option timestep="{dt}" integrator="{integrator}"/>
   <worldbody>
-    {more}
     <body name="foot" pos="0 0 {height}">
       <freejoint/><geom type="box" size=".13 .05 .01" mass="60"/>
     </body>
@@ -22,11 +21,9 @@ BLOCK = """
 """
 
 
-def block_model(height=0.05, dt=1e-3, integrator="Euler", more=""):
-    """The model; more: other bodies of its world."""
-    return mujoco.MjModel.from_xml_string(
-        BLOCK.format(dt=dt, integrator=integrator, height=height, more=more)
-    )
+def block_model(height=0.05, dt=1e-3, integrator="Euler"):
+    """The model."""
+    return mujoco.MjModel.from_xml_string(BLOCK.format(dt=dt, integrator=integrator, height=height))
 
 
 def put_on_sand(request, sand=HARD, effects=(), foot=None, plates=64, **options):

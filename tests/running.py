@@ -151,21 +151,6 @@ def descendants(pid):
     return found.union(*(descendants(child) for child in found))
 
 
-def assert_gone(family):
-    """Wait for processes to end; those that nobody has asked about yet (zombies) have."""
-    deadline = time.monotonic() + 30
-    while left := [pid for pid in family if alive(pid)]:
-        assert time.monotonic() < deadline, left
-        time.sleep(0.05)
-
-
-def alive(pid):
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except OSError:
-        return False
-
-
 def ended(run, limit=300):
     """What a run says until it ends; if it does not, where it hangs."""
     try:

@@ -105,16 +105,6 @@ class TestOptimize:
 
 
 class TestSimulate:
-    def test_walks_with_one_sole(self, tmp_path):
-        done = footopt(
-            "study=simulate", "foot=reversed_triangle", "sand.zeta=2.5", "accuracy=draft", cwd=tmp_path
-        )
-        assert done.returncode == 0, done.stderr
-        result = json.loads((only_folder(tmp_path) / "result.json").read_text())
-        assert result["feasible"]
-        assert result["objectives"]["distance"] > 1.5
-        assert result["scene"]["sand"]["zeta"] == 2.5
-
     @pytest.mark.slow
     def test_standing_still_has_no_peak_power(self, tmp_path):
         done = footopt("study=simulate", "scene=stand", "scene.t_f=0.5", "accuracy=draft", cwd=tmp_path)
@@ -218,10 +208,6 @@ class TestExport:
         for ending in ("csv", "dxf", "svg", "stl"):
             assert (folder / f"contour.{ending}").is_file()
         assert (folder / "contour.csv").read_text() == (run_ga[1] / "contour.csv").read_text()
-
-    def test_another_sole_of_the_same_space(self, run_ga):
-        k = [1, 2, 3, 4, 5, 6, 7, 8, 8, 8, 8]
-        np.testing.assert_array_equal(foot_of(run_ga[1], k).contour, fo.Foot.from_waypoints(k).contour)
 
     @pytest.mark.slow
     def test_a_drawings_sole_even_when_the_drawing_is_gone(self, tmp_path):

@@ -87,6 +87,28 @@ def test_wrong_input_gets_one_clear_message_and_leaves_nothing(arguments, tmp_pa
     assert [path.name for path in tmp_path.iterdir()] == ["broken.csv"]
 
 
+REFUSED = ["study=simulate", "foot.width=-1"]
+
+
+@pytest.mark.parametrize("place", ["results", "..", ".", "results/deep"])
+def test_a_refused_run_removes_no_folder_that_was_there(place, tmp_path):
+    """Not even one with nothing in it but folders and links."""
+    here = tmp_path / "above" / "here"
+    for folder in ("results/empty", "results/deep", "linked"):
+        (here / folder).mkdir(parents=True)
+    (here / "results" / "link").symlink_to(here / "linked")
+    before = sorted(tmp_path.rglob("*"))
+    assert "foot.width" in footopt(*REFUSED, f"hydra.run.dir={place}", cwd=here).stderr
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_a_refused_run_leaves_no_file_and_no_folder_that_was_not_asked_for(tmp_path):
+    assert footopt(*REFUSED, cwd=tmp_path).returncode == 1
+    assert not list(tmp_path.iterdir())
+    assert footopt(*REFUSED, "hydra.run.dir=a/b/c", cwd=tmp_path).returncode == 1
+    assert not list((tmp_path / "a" / "b" / "c").iterdir())
+
+
 def test_a_process_ends_with_the_message_and_its_exit_code(tmp_path):
     done = program("sand.zeta=0", cwd=tmp_path)
     assert (done.returncode, done.stderr.count("\n")) == (1, 1)

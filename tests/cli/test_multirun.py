@@ -125,6 +125,14 @@ def test_a_job_that_cannot_be_is_written_down_and_so_are_those_after_it(whole, t
     assert len(list(tmp_path.glob("sweep/*/result.json"))) == 2
 
 
+@pytest.mark.slow
+def test_folders_of_runs_with_a_comma_between_them_are_two_jobs(tmp_path):
+    done = footopt("-m", "study=simulate", "run=a,b", "hydra.sweep.dir=sweep", cwd=tmp_path)
+    assert done.returncode == 1
+    said = [(tmp_path / "sweep" / job / "error.txt").read_text() for job in "01"]
+    assert ["run = 'a'" in said[0], "run = 'b'" in said[1]] == [True, True]
+
+
 def test_another_multirun_takes_no_folder_that_holds_one(whole):
     before = found(whole)
     done = footopt(*SWEEP, "scene=brisk", "hydra.sweep.dir=run", cwd=whole.parent)

@@ -240,12 +240,6 @@ class TestResume:
         kept = [word for word in words if not word.startswith("engine.")]
         assert identity.read(begun).overrides == (*kept, "engine=local")
 
-    def test_with_another_engine(self, run, tmp_path):
-        done = footopt("resume=run", "engine=processes", "engine.workers=1", cwd=tmp_path)
-        assert done.returncode == 0, done.stderr
-        engine = json.loads((run / "result.json").read_text())["settings"]["engine"]
-        assert (engine["name"], engine["workers"]) == ("processes", 1)
-
     @pytest.mark.parametrize("how", ["--config-dir=mine sand=dune", "-cd mine -cn own", "-cp MINE -cn own"])
     def test_runs_of_settings_of_one_s_own_are_resumed_as_they_were(self, how, tmp_path, monkeypatch):
         own, ran = tmp_path / "mine", []

@@ -72,6 +72,7 @@ def test_what_cannot_be_opened_is_named(kind, tmp_path):
         with pytest.raises(FileError, match="cannot be read") as caught:
             READERS[kind](tmp_path / name)
         assert kind in str(caught.value)
+        assert isinstance(caught.value, OSError)
 
 
 def test_what_cannot_be_a_store_is_named(tmp_path):

@@ -51,9 +51,6 @@ def own(tmp_path_factory):
 
 
 class TestAnEffectOfOnesOwn:
-    def test_takes_fewer_than_20_lines(self):
-        assert len(OWN.strip().splitlines()) < 20
-
     @pytest.mark.slow
     def test_acts_in_the_kernel_on_top_of_the_others(self, own):
         speed, state = 0.5, (blade(0.0), DOWN, 0.0, -0.5)

@@ -30,19 +30,13 @@ def test_a_log_file_has_no_progress():
 SINKING = [*FOOTOPT, "study=simulate", "sand.zeta=0.001", "accuracy=draft"]  # warns, in yellow
 
 
-class TestColours:
-    @pytest.mark.slow
-    def test_on_a_terminal(self, tmp_path):
-        text, code = on_a_terminal(SINKING, cwd=tmp_path)
-        assert code == 1  # the walk failed
-        assert COLOUR.search(text)
-
-    @pytest.mark.slow
-    def test_not_where_they_are_not_wanted(self, tmp_path):
-        text, code = on_a_terminal(SINKING, cwd=tmp_path, NO_COLOR="1")
-        assert code == 1
-        assert "The walk failed" in text
-        assert not COLOUR.search(text)
+@pytest.mark.slow
+@pytest.mark.parametrize("unwanted", [{}, {"NO_COLOR": "1"}])
+def test_colours_are_seen_on_a_terminal_but_not_where_they_are_not_wanted(unwanted, tmp_path):
+    text, code = on_a_terminal(SINKING, cwd=tmp_path, **unwanted)
+    assert code == 1
+    assert "The walk failed" in text
+    assert bool(COLOUR.search(text)) != bool(unwanted)
 
 
 class TestNarrowTables:

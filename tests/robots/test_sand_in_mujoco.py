@@ -12,7 +12,6 @@ from footopt.errors import SettingError
 from footopt.gait.gait import Pose
 from footopt.mujoco import Grains, attach
 from footopt.mujoco.faces import stress
-from footopt.mujoco.intrusion import DOWN, TABLE
 from footopt.sand import alpha
 from footopt.walk.plates import plate_states
 
@@ -345,8 +344,3 @@ def test_density_and_friction_give_the_material_constant():
     assert quartz.sand.zeta == pytest.approx(2.11, abs=0.005)  # 2.02 was measured
     with pytest.raises(SettingError, match=r"grains\.friction"):
         Grains(friction=0.0)
-
-
-def test_a_level_face_feels_the_published_number():
-    assert traction(blade(0.0), heading(np.pi / 2), np.inf) == pytest.approx((0.0, 0.0, DOWN), abs=1e-12)
-    assert -TABLE.sum() == pytest.approx(DOWN, abs=1e-12)

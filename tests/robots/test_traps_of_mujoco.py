@@ -97,13 +97,6 @@ def test_rollouts_meet_sand_where_their_data_are_attached(request):
     assert together[:, -1] == pytest.approx(np.array(alone), abs=1e-13)
 
 
-WELDED = """
-    <body name="load" pos="0 0 .5"><freejoint/><geom type="box" size=".1 .1 .1" mass="40" contype="0"/></body>
-  </worldbody>
-  <equality><weld body1="load" body2="foot"/></equality><worldbody>
-"""
-
-
 def test_the_first_step_knows_of_no_other_force_but_gravity(block):
     model, data, contact = block(height=0.03)
     settle(model, data, 1.0)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from searching import SMALL, objective_of, problem
 
-from footopt.design import FootProblem, Solver, search
+from footopt.design import Solver, search
 from footopt.errors import SettingError
 
 BUDGET = {"pop_size": 8, "n_gen": 12, "seed": 1}
@@ -80,11 +80,6 @@ class TestOperators:
     def test_those_that_a_solver_does_not_have_are_refused(self, name, given, said):
         with pytest.raises(SettingError, match=said):
             Solver(name, operators=given).build(1)
-
-
-def test_a_limit_that_is_no_number_is_refused():
-    with pytest.raises(SettingError, match=r"constraint\.work = 'much'"):
-        FootProblem(limits={"work": "much"})
 
 
 def test_progress_true_counts_the_batches_of_an_enumeration(capsys):

@@ -26,10 +26,6 @@ def scene_of(*overrides):
 
 
 class TestSettings:
-    @pytest.mark.parametrize("name", EFFECTS)
-    def test_an_effect_is_switched_on_by_its_name_with_the_defaults_of_its_class(self, name):
-        assert scene_of(f"effects={name}").effects == (EFFECTS[name](),)
-
     def test_effects_combine_and_act_in_one_order_however_they_are_named(self):
         one = scene_of("effects=[inertia,slope,layers]", "effects.slope.angle=-3")
         other = scene_of("effects=[layers,slope,inertia]", "effects.slope.angle=-3")
@@ -60,10 +56,6 @@ class TestSettings:
         assert (scene.sand.zeta, scene.effects) == (5.0, ())
         assert scene_of("scene=incline", "effects.slope.angle=-7").effects == (fo.Slope(-7.0),)
         assert scene_of("effects=[]", "scene=brisk").effects == ()
-
-    def test_two_effects_of_a_kind_are_refused(self):
-        with pytest.raises(SettingError, match="at most one effect of a kind"):
-            fo.Scene(effects=(fo.Slope(1.0), fo.Slope(2.0)))
 
     def test_auto_is_for_a_search_and_for_one_walk(self):
         with pytest.raises(SettingError, match=r"effects\.auto.*study=effects"):

@@ -150,12 +150,6 @@ class TestNewton:
             assert stamp.objectives[name] == pytest.approx(finer.objectives[name], rel=0.01)
         assert energy_gap(stamp) < 2e-3
 
-    def test_counts_are_the_same_in_walks_and_tables(self, flat_foot):
-        walk = fo.simulate(flat_foot, fo.Scene(gait=MARCH))
-        table = fo.evaluate([flat_foot], walk.scene)
-        for name in ("evaluations", "rescues", "shortened", "repeats"):
-            assert getattr(table, name)[0] == getattr(walk, name)
-
     def test_repeats_are_counted_and_the_walk_is_right(self, ramp_foot):
         """Hard sand with little smoothing, in long steps."""
         scene = fo.Scene(sand=fo.Sand(50.0))
