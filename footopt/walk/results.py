@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from footopt.effects import reshaping
-from footopt.errors import needed
 from footopt.foot import Foot, Plates
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.metrics import RAW
@@ -224,21 +223,6 @@ class Walk:
             "start": Variable(("axis",), "m", self.start),
             "sole": Variable(("point", "axis"), "m", self.foot.contour),
         }
-
-    def to_dataset(self) -> Any:
-        """An xarray Dataset with the variables of walk.nc; times (s), feet and axes select by their names.
-
-        Units are in each variable's attributes. Needs xarray: ``pip install "footopt[xarray]"``.
-        """
-        xarray = needed("xarray", "Walk.to_dataset", "xarray")
-        parts = self.variables
-        t = parts.pop("t")
-        times = {name: ("time", t.values, {"units": t.unit}) for name in ("time", "t")}
-        return xarray.Dataset(
-            {name: (v.dimensions, v.values, {"units": v.unit}) for name, v in parts.items()},
-            times | {name: list(places) for name, places in PLACES.items()},
-            {"reason": self.reason},
-        )
 
     def to_frame(self) -> Any:
         """A pandas DataFrame with a row for each sample of the traces, indexed by time, s.
