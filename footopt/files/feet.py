@@ -20,17 +20,6 @@ from footopt.foot import Foot
 Array = NDArray[np.float64]
 
 SOLE, OUTLINE = "SOLE", "OUTLINE"  # layers of the DXF file, groups of the SVG file
-MJCF = """<mujoco model="foot">
-  <asset><mesh name="foot" file="contour.stl" scale="0.001 0.001 0.001"/></asset>
-  <worldbody>
-    <body name="foot" pos="0 0 {height:.6g}"> <!-- its origin is the ankle; x is forward, z up -->
-      <freejoint/> <!-- take it away to mount the foot on a leg -->
-      <geom type="mesh" mesh="foot" pos="{x:.6g} 0 {z:.6g}" density="1240" contype="0"/>
-      <site name="ankle"/>
-    </body>
-  </worldbody>
-</mujoco>
-"""
 FORMATS = ("csv", "dxf", "svg", "stl", "step")
 
 
@@ -93,14 +82,6 @@ def write_all(foot: Foot, folder: Path, block: Sequence[float] | None = None) ->
             path.unlink(missing_ok=True)  # of the same run, before
             notes.append(f"There is no {path.name}: {error}")
     return written, notes
-
-
-def write_mjcf(foot: Foot, path: Path) -> Path:
-    """Write the foot as a body of MuJoCo with the mesh contour.stl, its ankle the origin, above the sand."""
-    x, z = foot.ankle
-    height = 0.02 + z - foot.contour[:, 1].min()
-    write_text(path, MJCF.format(height=height, x=-x, z=-z))
-    return path
 
 
 def _write_dxf(path: Path, sole: Array, outline: Array) -> None:

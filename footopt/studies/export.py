@@ -11,7 +11,7 @@ from rich.table import Table
 from shapely import Polygon
 
 from footopt.errors import SettingError
-from footopt.files.feet import write_all, write_mjcf
+from footopt.files.feet import write_all
 from footopt.files.outline import MM, body_outline
 from footopt.report import figures, terminal
 from footopt.studies.base import Study, foot_entry
@@ -25,7 +25,6 @@ HOLDS = {
     ".svg": "outline and sole, full size",
     ".stl": "body of triangles",
     ".step": "body of plane faces",
-    ".xml": "body of MuJoCo, its origin and site at the ankle",
 }
 
 
@@ -35,7 +34,6 @@ class Settings(StudySettings):
 
     name: str = "export"
     run: str | None = setting(None, "Folder of the run whose foot is meant.")
-    mujoco: bool = setting(False, "Whether to write the foot as a body of MuJoCo, too.")
     reads = ("foot.k", "foot.block")
 
 
@@ -47,8 +45,6 @@ def run(study: Study) -> None:
         raise SettingError("run", None, "the folder of a run", advice)
     foot, block = foot_of(Path(folder), config.foot.k), config.foot.block
     written, notes = write_all(foot, study.folder, block)
-    if study.options.mujoco:
-        written.append(write_mjcf(foot, study.folder / "foot.xml"))
     outline, width = MM * body_outline(foot, block), MM * foot.width
     area = float(Polygon(outline).area)
     caption = "The outline of every file, with its sole (blue) and ankle (+), in mm."
