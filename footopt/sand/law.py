@@ -59,17 +59,9 @@ class StressMap:
     @property
     def law(self) -> Law:
         """The coefficients as the affine form uses them (N/cm^3)."""
-        return Law(
-            A00=self.A00,
-            A10=self.A10,
-            B01=self.B01,
-            B_sum=self.B11 + self.Bm11,
-            B_diff=self.B11 - self.Bm11,
-            C01=self.C01,
-            C_sum=self.C11 + self.Cm11,
-            C_diff=self.C11 - self.Cm11,
-            D10=self.D10,
-        )
+        b = self.B01, self.B11 + self.Bm11, self.B11 - self.Bm11
+        c = self.C01, self.C11 + self.Cm11, self.C11 - self.Cm11
+        return Law(self.A00, self.A10, *b, *c, self.D10)
 
     def dissipation(self) -> float:
         """Smallest alpha_x cos(gamma) + alpha_z sin(gamma) over all angles, N/cm^3.

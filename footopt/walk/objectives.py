@@ -215,11 +215,6 @@ def peak_vertical_force(raw: Raw, scene: Scene) -> Array:
 FIVE = ("distance", "mean_height", "work", "peak_power", "speed_loss")
 
 
-def log_gain(name: str, value: Array | float) -> Array:
-    """ln of a factor of -J_W: positive power for the rewards, negative for the floored costs."""
-    with np.errstate(invalid="ignore", divide="ignore"):
-        gain = np.log(value) if name not in FLOORS else -np.log(np.maximum(value, FLOORS[name]))
-    return np.asarray(gain, float)
 
 
 def relative_change(values: Array, base: Array) -> Array:
@@ -234,9 +229,13 @@ def gain_shares(values: dict[str, float], base: dict[str, float]) -> dict[str, f
     ln(J_W / J_W_base) is the sum of the factors' log gains. A negative share is a factor that got
     worse. NaN where there is no gain to share: J_W is no better than that of the base.
     """
-    parts = {name: float(log_gain(name, values[name]) - log_gain(name, base[name])) for name in FIVE}
-    total = sum(parts.values())
-    return {name: part / total if total > 0.0 else float("nan") for name, part in parts.items()}
+    with np.errstate(invalid="ignore", divide="ignore"):
+        log, log_base = (
+            np.log([max(one[n], FLOORS.get(n, -math.inf)) for n in FIVE]) for one in (values, base)
+        )
+    parts = (log_base - log) * [OBJECTIVES[name].sign for name in FIVE] + 0.0  # + 0.0 turns -0 into 0
+    shares = parts / parts.sum() if parts.sum() > 0.0 else np.full(len(FIVE), np.nan)
+    return dict(zip(FIVE, shares.tolist(), strict=True))
 
 
 def lookup(names: Sequence[str]) -> list[Objective]:
