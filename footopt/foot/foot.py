@@ -79,7 +79,7 @@ class Foot:
 
     @classmethod
     def from_waypoints(
-        cls, k: Sequence[int] | Array, space: Waypoints | None = None, **parameters: object
+        cls, k: Sequence[int] | Array, space: Waypoints | None = None, **parameters: Any
     ) -> Foot:
         """Make a sole through waypoints.
 
@@ -98,7 +98,7 @@ class Foot:
             A height is not in the space.
         """
         check(np.ndim(k) == 1, "foot.k", k, "one design: a list of whole numbers")
-        space = replace(space or Waypoints(n=len(k)), **parameters)  # type: ignore[arg-type]
+        space = replace(space or Waypoints(n=len(k)), **parameters)
         heights = tuple(int(v) for v in space.check(k)[0])
         contour, name = space.contour(heights)[0], f"k={heights_text(heights)}"
         return cls(contour, space.width, space.ankle, name, heights, space, space.closed, space.top)
@@ -136,8 +136,7 @@ class Foot:
     @cached_property
     def arc_and_turns(self) -> tuple[Array, Array]:
         """Arc length (m) and turn (rad) of the contour at its points, each (m,)."""
-        found: tuple[Array, Array] = arc_and_turns(self.contour)
-        return found
+        return arc_and_turns(self.contour)
 
     def points(self, steps: int, parts: int = 1) -> Array:
         """Points at equal steps along the sole's arc, (steps parts + 1, 2), m; a step ends at each corner."""
@@ -158,7 +157,9 @@ class Foot:
     @property
     def box_violation(self) -> float | None:
         """How far a waypoint sole leaves its box, m; None for any other sole."""
-        return None if self.space is None else float(self.space.box_violation(self.k)[0])  # type: ignore[arg-type]
+        if self.space is None or self.k is None:
+            return None
+        return float(self.space.box_violation(self.k)[0])
 
 
 def lower_hull(contour: Array) -> tuple[Array, float, float, float]:

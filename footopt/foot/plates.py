@@ -154,19 +154,13 @@ def corners(turns: Array, most: int) -> NDArray[np.int64]:
     return np.sort(found[np.argsort(-sharp[found], kind="stable")[:most]])
 
 
-@cached_njit(nogil=True, error_model="numpy")
-def arc_and_turns(polyline):
+def arc_and_turns(polyline: Array) -> tuple[Array, Array]:
     """Arc length (m) and turn (rad) of a polyline (m, 2) at its points, each (m,).
 
     It turns by 0 at its ends, and at a point that repeats the one before.
     """
-    arc, turns = np.zeros(len(polyline)), np.zeros(len(polyline))
-    at, ax, az = 0, 0.0, 0.0  # the last point that repeats none, and the side that ends there
-    for i in range(1, len(polyline)):
-        bx, bz = polyline[i, 0] - polyline[i - 1, 0], polyline[i, 1] - polyline[i - 1, 1]
-        arc[i] = arc[i - 1] + np.hypot(bx, bz)
-        if bx != 0.0 or bz != 0.0:
-            if at > 0:
-                turns[at] = np.arctan2(ax * bz - az * bx, ax * bx + az * bz)
-            at, ax, az = i, bx, bz
-    return arc, turns
+    sides, turns = np.diff(polyline, axis=0), np.zeros(len(polyline))
+    moving = np.flatnonzero(sides.any(axis=1))
+    (ax, az), (bx, bz) = sides[moving[:-1]].T, sides[moving[1:]].T
+    turns[moving[:-1] + 1] = np.arctan2(ax * bz - az * bx, ax * bx + az * bz)
+    return np.concatenate([[0.0], np.cumsum(np.hypot(*sides.T))]), turns

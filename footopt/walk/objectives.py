@@ -215,8 +215,6 @@ def peak_vertical_force(raw: Raw, scene: Scene) -> Array:
 FIVE = ("distance", "mean_height", "work", "peak_power", "speed_loss")
 
 
-
-
 def relative_change(values: Array, base: Array) -> Array:
     """values / base - 1, and 0 where both are equal: a walker that never brakes loses no speed in either."""
     with np.errstate(divide="ignore", invalid="ignore"):
