@@ -139,16 +139,11 @@ def _chain(x, f, slope):
     return lambda x, f, slope: f
 
 
-def positive(x: Any) -> Any:
+@register_jitable(**VALUE)
+def positive(x):
     """max(x, 0)"""
-    return chain(x, np.maximum(value(x), 0.0), 1.0 * (value(x) > 0.0))
-
-
-@overload(positive, jit_options=DERIVATIVE)
-def _positive(x):
-    if is_dual(x):
-        return lambda x: Dual(max(x.value, 0.0), (x.value > 0.0) * x.dx, (x.value > 0.0) * x.dz)
-    return lambda x: max(x, 0.0)
+    v = value(x)
+    return chain(x, np.maximum(v, 0.0), 1.0 * (v > 0.0))
 
 
 @register_jitable(**VALUE)

@@ -80,7 +80,7 @@ def diagnose(walk: Walk) -> list[Diagnostic]:
     size = lasts * np.linalg.norm(states.force, axis=-1)
     speed = np.linalg.norm(states.velocity, axis=-1)
     vn = np.sum(states.normal * states.velocity, axis=-1)
-    power = lasts * np.abs(np.sum(states.force * states.velocity, axis=-1))
+    power = lasts * np.abs(states.power)
     counted = [effect for effect in walk.scene.effects if effect.is_inertia]
     pushes = laws(counted or [kind() for kind in EFFECTS.values() if kind.is_inertia]).pushes
     inertia = lasts * effects.push(pushes, vn, depth) * states.area
@@ -94,11 +94,7 @@ def diagnose(walk: Walk) -> list[Diagnostic]:
             "RFT's growth with depth is tested to about one plate width",
         ),
         Diagnostic(
-            "depth of the ankle",
-            ankle_depth(walk),
-            "m",
-            0.0,
-            "only the sole feels the sand, not the leg",
+            "depth of the ankle", ankle_depth(walk), "m", 0.0, "only the sole feels the sand, not the leg"
         ),
         Diagnostic(
             "force-weighted plate speed",
