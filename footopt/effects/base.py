@@ -148,14 +148,9 @@ def bristle_length(effects: Sequence[Effect]) -> float | None:
     return next((e.bristle_length for e in effects if e.bristle_length is not None), None)
 
 
-def reshape_soles(effects: Sequence[Effect]) -> list[Effect]:
-    """Those that change soles before plates are cut from them."""
-    return [effect for effect in effects if type(effect).reshape is not Effect.reshape]
-
-
 def reshaping(effects: Sequence[Effect]) -> Reshape | None:
     """How a scene's effects change soles before plates are cut from them; None where they do not."""
-    steps = [effect.reshape for effect in reshape_soles(effects)]
+    steps = [e.reshape for e in effects if type(e).reshape is not Effect.reshape]
     return (lambda points: reduce(lambda sole, step: step(sole), steps, points)) if steps else None
 
 

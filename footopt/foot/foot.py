@@ -197,11 +197,9 @@ def points_of(feet: Sequence[Foot], steps: int, parts: int = 1) -> Array:
 
 
 def as_feet(feet: Any) -> Any:
-    """Plates and feet as they are, one foot as a list of one, and anything else as heights (designs, n)."""
+    """Feet as they are, one foot as a list of one, and anything else as heights (designs, n)."""
     if isinstance(feet, Foot):
         return [feet]
-    if isinstance(feet, Plates):
-        return feet
     if isinstance(feet, Sequence) and any(isinstance(foot, Foot) for foot in feet):
         check(all(isinstance(foot, Foot) for foot in feet), "feet", feet, "all Foot, or all waypoint heights")
         return feet
@@ -222,15 +220,13 @@ def as_plates(
     directed: bool = False,
     fill: Fill | None = None,
 ) -> Plates:
-    """The plates of feet, of plates (as they are), or of waypoint heights (designs, n) in `space`.
+    """The plates of feet, or of waypoint heights (designs, n) in `space`.
 
     `fill` changes the soles before they are cut, as an effect does (`footopt.effects.reshaping`); the rest is
     as of `Plates.from_points`. Raises `SettingError` if there are feet and other things among `feet`, or open
     and closed ones.
     """
     feet = as_feet(feet)
-    if isinstance(feet, Plates):
-        return feet
     bodies: Sequence[Foot | Waypoints] = feet
     if isinstance(feet[0], Foot):
         same = len({foot.closed for foot in feet}) == 1

@@ -13,8 +13,6 @@ and dampers of joints and servos pull back since. MuJoCo is given the mean of F.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from footopt.compiled import called_fast, inlined_fast
@@ -23,8 +21,9 @@ from footopt.mujoco.faces import COLUMNS, cross, dot, forces, moved, plus
 from footopt.mujoco.step import BEFORE, END, FREE, GAINED, MEAN, TWIST, of_body, product
 from footopt.walk.contact import rsqrt
 from footopt.walk.state import write
+from footopt.walk.steppers.implicit import SDIRK2
 
-GAMMA = 1.0 - 1.0 / math.sqrt(2.0)
+GAMMA = SDIRK2().gamma
 MAX_NEWTON = 100  # evaluations of one stage, line search included
 TIGHT = 1e-3  # last step of Newton's method over the speed of the feet; forces err by its square
 

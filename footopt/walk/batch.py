@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from footopt.effects import base as effects
-from footopt.errors import SettingError, check, check_whole
+from footopt.errors import check, check_whole
 from footopt.foot import Plates, Waypoints, as_plates
 from footopt.foot.plates import RULES
 from footopt.walk import discretize
@@ -49,14 +49,6 @@ def at_once(given: int | None, setting: str = "engine.threads") -> int:
 def chunks(feet: Any, scene: Scene, accuracy: Accuracy, space: Waypoints | None) -> Iterator[Plates]:
     """The feet's plates, a bounded number of designs at a time."""
     directed, fill = effects.laws(scene.effects).directed, effects.reshaping(scene.effects)
-    if isinstance(feet, Plates):
-        if directed and feet.tx is None:
-            raise SettingError("feet", "plates without directions", "plates made with directed=True")
-        if fill is not None:
-            names = ", ".join(map(effects.name_of, effects.reshape_soles(scene.effects)))
-            raise SettingError("feet", "plates", f"feet or heights: effects={names} changes soles")
-        yield from (feet.take(slice(i, i + CHUNK)) for i in range(0, len(feet.x), CHUNK))
-        return
     size = max(1, min(CHUNK, POINTS // (accuracy.plates * RULES[accuracy.rule])))
     yield from (
         as_plates(feet[i : i + size], accuracy.plates, accuracy.rule, space, directed, fill)

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from footopt.effects import base as effects
-from footopt.errors import SettingError, check, check_kind
-from footopt.foot import Foot, Plates, Waypoints, as_feet
+from footopt.errors import check_kind
+from footopt.foot import Foot, Waypoints, as_feet
 from footopt.walk import discretize
 from footopt.walk.accuracy import Accuracy, resolve
 from footopt.walk.adapt import accuracies, adapted
@@ -82,7 +82,7 @@ def _pair(a: Array, b: Array) -> Array:
 
 
 def evaluate(
-    feet: Foot | Sequence[Foot] | Plates | ArrayLike,
+    feet: Foot | Sequence[Foot] | ArrayLike,
     scene: Scene | None = None,
     accuracy: Accuracy | str = "standard",
     objectives: str | Sequence[str] = FIVE,
@@ -96,7 +96,7 @@ def evaluate(
 
     Parameters
     ----------
-    feet : Foot, sequence of Foot, Plates, or (designs, n)
+    feet : Foot, sequence of Foot, or (designs, n)
         The soles; an array holds heights of waypoints in `space`.
     scene, accuracy
         As in `simulate`.
@@ -126,10 +126,9 @@ def evaluate(
     scene.need_heel_strike()
     objectives = (objectives,) if isinstance(objectives, str) else tuple(objectives)
     lookup(objectives)
-    check(not (errors and isinstance(bodies, Plates)), "errors", True, "false where feet are plates")
     parts, order = [], []
     for finely, index in accuracies(bodies, scene, accuracy, space).items():
-        whole = isinstance(bodies, Plates) or len(index) == len(bodies)
+        whole = len(index) == len(bodies)
         some = bodies if whole else [bodies[i] for i in index]
         given = some, scene, finely, objectives, space, threads
         part = _evaluated(*given)
@@ -209,8 +208,6 @@ def _measured(
     space: Waypoints | None,
 ) -> list[float]:
     """Measures in Python, of one foot of a batch and its walk."""
-    if isinstance(feet, Plates):
-        raise SettingError("objectives", measures[0].name, "a compiled one where feet are plates")
     foot = feet[i] if isinstance(feet[i], Foot) else Foot.from_waypoints(feet[i], space)
     if all(m.of == "foot" for m in measures):
         return [float(m.value(foot)) for m in measures]

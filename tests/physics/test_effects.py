@@ -11,11 +11,10 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import footopt as fo
-from footopt.effects import EFFECTS, Inertia, Layers, LeadingEdge, Patches, Slope, laws, reshaping
+from footopt.effects import EFFECTS, Inertia, Layers, Patches, Slope, laws, reshaping
 from footopt.effects import base as effects
 from footopt.effects.dual import Dual
 from footopt.errors import SettingError
-from footopt.foot import as_plates
 from footopt.walk.balances import energy_gap, momentum_gap
 from footopt.walk.discretize import NEWTON, sole_of, world
 from footopt.walk.loop import both_feet
@@ -194,8 +193,3 @@ class TestSettings:
 
     def test_the_order_in_which_effects_are_named_does_not_matter(self):
         assert fo.Scene(effects=ALL[::-1]) == fo.Scene(effects=ALL)
-
-    def test_plates_without_directions_are_refused_where_they_are_needed(self):
-        plates = as_plates(np.full((1, 11), 5), 32, "arc", None)
-        with pytest.raises(SettingError, match="directed=True"):
-            fo.evaluate(plates, fo.Scene(effects=(LeadingEdge(),)))

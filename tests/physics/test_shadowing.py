@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 import footopt as fo
 from footopt.effects.shadowing import filled
 from footopt.errors import SettingError
-from footopt.foot import as_plates, lower_hull
+from footopt.foot import lower_hull
 from footopt.studies.validation.rig import blades
 from footopt.walk.discretize import NEWTON
 
@@ -73,11 +73,6 @@ class TestTheWalk:
 
     def test_all_of_the_depth_is_the_plain_law(self):
         assert fo.Scene(effects=(fo.Shadowing(1.0),)).effects == ()
-
-    def test_plates_that_are_cut_already_are_refused(self):
-        plates = as_plates([K], 32, "arc", None)
-        with pytest.raises(SettingError, match="shadowing"):
-            fo.evaluate(plates, fo.Scene(effects=(fo.Shadowing(),)))
 
     @pytest.mark.parametrize("part", [-0.1, 1.1, float("nan")])
     def test_a_part_is_from_0_to_1(self, part):

@@ -12,7 +12,6 @@ import pytest
 from lsoda import lsoda_objectives
 
 import footopt as fo
-from footopt.foot import Plates, as_plates
 from footopt.gait import LEFT, RIGHT
 from footopt.walk import STEPPERS
 from footopt.walk.accuracy import TOLERANCES
@@ -145,9 +144,6 @@ class TestReproducibility:
             np.testing.assert_array_equal(fo.evaluate(k[i], regular, accuracy).raw[0], one.raw[i])
         feet = [fo.Foot.from_waypoints(row) for row in k]
         np.testing.assert_array_equal(fo.evaluate(feet, regular, accuracy).raw, one.raw)
-        plates = as_plates(k, 50, "arc", None)
-        assert isinstance(plates, Plates)
-        np.testing.assert_array_equal(fo.evaluate(plates, regular, accuracy).raw, one.raw)
 
     @pytest.mark.slow
     def test_the_process_that_compiles_walks_like_those_that_load_its_code(self, tmp_path):
