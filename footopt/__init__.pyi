@@ -36,6 +36,7 @@ from footopt.studies.runs import load_all as load_all
 from footopt.walk import Accuracy as Accuracy
 from footopt.walk import Scene as Scene
 from footopt.walk import Table as Table
+from footopt.walk import Tolerance as Tolerance
 from footopt.walk import Walk as Walk
 from footopt.walk import Walker as Walker
 from footopt.walk import estimate_error as estimate_error

@@ -12,7 +12,7 @@ from footopt.design.archive import Designs, Evaluator
 from footopt.design.problem import Array, FootProblem, Ints, Words
 from footopt.design.result import Confirmation, SearchResult, confirm
 from footopt.foot import Waypoints
-from footopt.walk.accuracy import Accuracy
+from footopt.walk.accuracy import AnyAccuracy
 from footopt.walk.objectives import relative_change
 
 MOST = 20_000  # soles of a neighbourhood: of a larger space only nearer ones are evaluated
@@ -70,7 +70,7 @@ def neighbours(k: Ints, space: Waypoints) -> tuple[Ints, int]:
 
 
 def certified(
-    result: SearchResult, accuracy: Accuracy, finalists: int, evaluator: Evaluator, most: float = math.inf
+    result: SearchResult, accuracy: AnyAccuracy, finalists: int, evaluator: Evaluator, most: float = math.inf
 ) -> tuple[SearchResult, Confirmation, Certificate]:
     """Confirm a search of one objective, and evaluate every neighbour of the design that comes out of it.
 

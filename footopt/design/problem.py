@@ -14,7 +14,7 @@ from pymoo.core.variable import Integer
 from footopt.design.fronts import Choice, excess
 from footopt.errors import check, check_kind
 from footopt.foot import Waypoints
-from footopt.walk.accuracy import Accuracy, resolve
+from footopt.walk.accuracy import AnyAccuracy, resolve
 from footopt.walk.objectives import FIVE, MEASURES, Objective, lookup
 from footopt.walk.scene import Scene
 from footopt.walk.simulate import evaluate
@@ -86,7 +86,7 @@ class FootProblem(Problem):
         scene: Scene | None = None,
         objective: str | Sequence[str] = "efficiency",
         space: Waypoints | None = None,
-        accuracy: Accuracy | str = "standard",
+        accuracy: AnyAccuracy | str = "standard",
         threads: int | None = None,
         limits: Mapping[str, float] | None = None,
         choose: Choice | str = "knee",
@@ -94,7 +94,7 @@ class FootProblem(Problem):
         self.scene = Scene() if scene is None else scene
         check_kind(self.scene, Scene, "scene", "Try fo.Scene(sand=...)")
         self.space = space or Waypoints()
-        self.accuracy = resolve(accuracy)
+        self.accuracy: AnyAccuracy = resolve(accuracy)
         self.threads = threads
         self.scene.need_heel_strike()
         names = SETS.get(objective, (objective,)) if isinstance(objective, str) else tuple(objective)
@@ -125,7 +125,7 @@ class FootProblem(Problem):
         """All that determines how a design walks: a store keeps it with the designs."""
         return {"scene": self.scene}
 
-    def at(self, accuracy: Accuracy) -> Self:
+    def at(self, accuracy: AnyAccuracy) -> Self:
         """The same, walked at another accuracy."""
         other = copy(self)
         other.accuracy = accuracy

@@ -15,7 +15,7 @@ from footopt.design.problem import Array, FootProblem, Ints
 from footopt.design.solvers import Solver
 from footopt.errors import check_whole
 from footopt.foot import Foot
-from footopt.walk.accuracy import Accuracy, resolve
+from footopt.walk.accuracy import AnyAccuracy, resolve
 from footopt.walk.objectives import MEASURES, relative_change
 
 SHOWN = 10_000  # designs of a front that are walked finely, drawn, and on the page; designs.csv has all
@@ -226,13 +226,13 @@ class Confirmation:
 
     designs: Ints
     values: Array
-    accuracy: Accuracy
+    accuracy: AnyAccuracy
     agrees: bool
     largest_change: float
     good: NDArray[np.bool_]
 
 
-def confirm(result: SearchResult, accuracy: Accuracy | str, finalists: int = 20) -> Confirmation:
+def confirm(result: SearchResult, accuracy: AnyAccuracy | str, finalists: int = 20) -> Confirmation:
     """Search cheap, confirm fine: walk the best designs of a search again at another accuracy.
 
     Parameters

@@ -13,7 +13,7 @@ from footopt.design.search import search
 from footopt.design.solvers import EXHAUSTIVE
 from footopt.errors import FootoptError, check
 from footopt.foot import Waypoints
-from footopt.walk.accuracy import Accuracy
+from footopt.walk.accuracy import AnyAccuracy
 from footopt.walk.objectives import MEASURES
 from footopt.walk.simulate import evaluate
 
@@ -58,7 +58,7 @@ class RobustProblem(FootProblem):
         scenarios: Sequence[Scenario],
         objective: str | Sequence[str] = "efficiency",
         space: Waypoints | None = None,
-        accuracy: Accuracy | str = "standard",
+        accuracy: AnyAccuracy | str = "standard",
         threads: int | None = None,
         measure: str = "worst",
         tail: float = 0.25,
@@ -115,7 +115,7 @@ def own_best(
     scenarios: Sequence[Scenario],
     objective: str = "efficiency",
     space: Waypoints | None = None,
-    accuracy: Accuracy | str = "standard",
+    accuracy: AnyAccuracy | str = "standard",
     threads: int | None = None,
     **options: Any,
 ) -> Array:

@@ -21,7 +21,6 @@ left out of the walker's first instant.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, is_dataclass
 from functools import reduce
@@ -76,16 +75,6 @@ class Effect:
         return None
 
     @property
-    def plates_factor(self) -> float:
-        """How many times more plates a sole needs.
-
-        A force that depends on the normal or on memory converges more slowly with the plates' size than the
-        plain law, and one that a gate cuts off within a plate more slowly still. With 2 and 4 for these, 95 %
-        of the walks in random scenes are within the accuracy's promise (docs/accuracy.md).
-        """
-        return 1.0
-
-    @property
     def zones(self) -> tuple[tuple[float, float, float], ...]:
         """Where on the way the sand is another: from and to, m, and how many times as strong."""
         return ()
@@ -94,11 +83,6 @@ class Effect:
     def strata(self) -> tuple[tuple[float, float, float], ...]:
         """How deep the sand is another: from and to, m, and how many times as strong."""
         return ()
-
-    @property
-    def narrowest(self) -> float:
-        """The least length along the way over which the sand changes, m."""
-        return math.inf
 
     def gravity(self, g: float) -> tuple[float, float]:
         """Gravity along the surface (negative uphill) and against its normal, m/s^2, from g."""

@@ -47,7 +47,7 @@ class Inertia(Effect):
 
     factor: float = 1.1
     rho: float = 1600.0
-    literature, is_inertia, in_page, plates_factor = True, True, True, 2.0
+    literature, is_inertia, in_page = True, True, True
 
     def __post_init__(self) -> None:
         check(0 <= self.factor <= 1e3, "effects.inertia.factor", self.factor, "a number >= 0 and <= 1000")

@@ -30,7 +30,7 @@ class LeadingEdge(Effect):
     """
 
     law = LeadingEdgeLaw()
-    literature, plausible, in_page, plates_factor = True, True, True, 4.0
+    literature, plausible, in_page = True, True, True
 
 
 EFFECTS["leading_edge"] = LeadingEdge

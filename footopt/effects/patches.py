@@ -6,8 +6,6 @@ import itertools
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import numpy as np
-
 from footopt.effects.base import EFFECTS, MOST, Array, Effect, numbers
 from footopt.effects.dual import clipped
 from footopt.errors import check
@@ -102,12 +100,6 @@ class Patches(Effect):
     def zones(self) -> tuple[tuple[float, float, float], ...]:
         """Each patch."""
         return tuple(zip(self.begins, self.ends, self.factors, strict=True))
-
-    @property
-    def narrowest(self) -> float:
-        """The narrowest patch, or gap between two, and at least half the blur."""
-        edges = np.unique([*self.begins, *self.ends])
-        return max(float(np.diff(edges).min()), self.blur / 2)
 
 
 EFFECTS["patches"] = Patches

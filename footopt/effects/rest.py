@@ -34,7 +34,6 @@ class Rest(Effect):
     """
 
     length: float = BRISTLE_LENGTH
-    plates_factor = 2.0
 
     def __post_init__(self) -> None:
         check(

@@ -1,7 +1,7 @@
-"""What does accuracy cost in time? Errors and costs of every stepper and preset in a scene.
+"""What does accuracy cost in time? The ladder of every stepper in a scene, and the presets on it.
 
-Random soles walk at every setting of a grid: time steps and plates of each stepper. The error of a setting is
-measured against walks of small steps and many plates, its cost on one thread.
+A few soles climb each stepper's ladder to the tolerance of `fine` (`footopt.walk.ladder`). Other random soles
+walk on all of its rungs: their errors are measured against converged walks, their cost on one thread.
 """
 
 from __future__ import annotations
@@ -21,23 +21,19 @@ from footopt.studies.audit import own_time
 from footopt.studies.base import Study, scene_entry
 from footopt.studies.settings import FEET_HELP, SCENE, SPACE, StudySettings, setting
 from footopt.walk import FIVE, Accuracy, Scene, evaluate
-from footopt.walk.accuracy import TOLERANCES, work
-from footopt.walk.adapt import adapted
+from footopt.walk.accuracy import PRESETS, TOLERANCES, work
+from footopt.walk.ladder import ladder, numbers_at, numerics
 from footopt.walk.steppers import STEPPERS
 
 Array = NDArray[np.float64]
 
 QUANTILE = 95.0  # of the feet: the error that this share of them does not exceed, %
 MEASURED = (*FIVE, "efficiency")
-CONVERGED = Accuracy("sdirk2", 1e-4, 800, 1e-5, "converged", adapt=True)
-
-LONGEST = {True: 2.0, False: 0.4}  # time step of implicit and of explicit steppers over that of `standard`
-HALVINGS = 6  # of it
-FINER = (0.5, 1.0, 2.0, 4.0)  # plates over those of `standard`, and its creep speed over that of a setting
+CONVERGED = PRESETS["reference"]
 
 CAPTION = (
     "Error of the worst objective, for 95 % of the feet, against the time that a design takes: "
-    "the best settings of every stepper, and the presets."
+    "the ladder of every stepper, and the presets."
 )
 
 
@@ -53,7 +49,7 @@ class Settings(StudySettings):
 class Measurement(NamedTuple):
     """One setting: its error against the converged walks, and its cost per design."""
 
-    method: str  # the stepper, whether its steps are controlled, or the preset
+    method: str  # the stepper, or the preset
     accuracy: Accuracy
     error: float  # relative, the `QUANTILE` of each foot's worst objective; infinite where walks failed
     work: float  # as `footopt.walk.accuracy.work` has it, the same on every machine
@@ -72,13 +68,13 @@ def run(study: Study) -> None:
     count, scene, space = study.options.feet, study.scene, study.space
     check(1 <= count <= 10_000, "study.feet", count, "a whole number, 1 to 10,000")
     feet = space.random(count, seed=study.seed, inside=True)
-    preset = {name: adapted(Accuracy.named(name), scene, space) for name in TOLERANCES}
-    settings = [*grid(preset["standard"]), *preset.items()]
-    about = f"{len(settings)} settings, {count} feet inside their box"
-    study.say(about)
     with study.compiling("every stepper"):
         for stepper in STEPPERS:
             evaluate(feet[:1], scene, Accuracy(stepper), space=space, threads=1)
+    preset = {name: numerics(PRESETS[name], scene, space) for name in TOLERANCES}
+    settings = [*rungs(scene, space), *preset.items()]
+    about = f"{len(settings)} settings, {count} feet inside their box"
+    study.say(about)
     measured = []
     with study.progress(len(settings) + 1, "setting") as step:
         truth = evaluate(feet, scene, CONVERGED, MEASURED, space, study.threads).values
@@ -95,7 +91,7 @@ def run(study: Study) -> None:
         {
             "seed": study.seed,
             "feet": feet.tolist(),
-            **scene_entry(scene, CONVERGED, MEASURED),
+            **scene_entry(scene, numerics(CONVERGED, scene, space), MEASURED),
             "presets": [m.row for m in presets],
         },
         summary=[_describe(m, others) for m in presets],
@@ -103,17 +99,12 @@ def run(study: Study) -> None:
     )
 
 
-def grid(standard: Accuracy) -> Iterator[tuple[str, Accuracy]]:
-    """All settings of the study by method, from the preset `standard` as the scene needs it."""
-    for finer in FINER:
-        plates, creep = max(2, round(finer * standard.plates)), standard.creep / finer
-        base = replace(standard, plates=plates, creep=creep, name="custom", control=None)
-        for halvings in range(HALVINGS):
-            share = 0.5**halvings
-            for name, stepper in STEPPERS.items():
-                yield name, replace(base, stepper=name, dt=LONGEST[stepper.implicit] * share * standard.dt)
-            control = share**2 * 4.0 * (standard.control or 0.0)
-            yield f"{standard.stepper}, step control", replace(base, dt=standard.dt, control=control)
+def rungs(scene: Scene, space: Waypoints) -> Iterator[tuple[str, Accuracy]]:
+    """All rungs of every stepper's ladder to `fine`, by method."""
+    for stepper in STEPPERS:
+        of = replace(PRESETS["fine"], stepper=stepper)
+        for rung in ladder(of, scene, space)[1].path:
+            yield stepper, numbers_at(of, scene, rung)
 
 
 def measure(
@@ -131,7 +122,7 @@ def measure(
         method,
         accuracy,
         float(np.percentile(worst, QUANTILE)),
-        work({"evaluations": found.evaluations.mean(), "plate_evaluations": found.plates.mean()}),
+        work(found.evaluations, found.plates).mean(),
         1e3 * min(taken) / len(feet),
         wrong_pairs(found.values[:, j], truth[:, j]),
     )

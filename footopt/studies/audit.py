@@ -20,8 +20,8 @@ from footopt.report.numbers import percent
 from footopt.studies.base import Study
 from footopt.studies.build import make_scene
 from footopt.studies.settings import Config
-from footopt.walk import FIVE, Accuracy, Scene, Table, evaluate
-from footopt.walk.accuracy import TOLERANCES
+from footopt.walk import FIVE, Scene, Table, evaluate
+from footopt.walk.accuracy import TOLERANCES, AnyAccuracy
 from footopt.walk.objectives import relative_change
 
 Array = NDArray[np.float64]
@@ -92,7 +92,7 @@ def audit(
     effect: Effect,
     scene: Scene,
     feet: Sequence[Foot] | ArrayLike,
-    accuracy: Accuracy | str,
+    accuracy: AnyAccuracy | str,
     tolerance: float,
     space: Waypoints | None = None,
 ) -> Audit:

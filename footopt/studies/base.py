@@ -32,7 +32,8 @@ from footopt.studies.build import make_accuracy, make_foot, make_scene, make_spa
 from footopt.studies.runs import finished, result_of
 from footopt.studies.settings import REPORTS, Config
 from footopt.walk import MEASURES, Accuracy, Scene
-from footopt.walk.adapt import adapted
+from footopt.walk.accuracy import AnyAccuracy, resolve
+from footopt.walk.ladder import numerics
 from footopt.walk.objectives import lookup
 from footopt.walk.validity import Diagnostic
 
@@ -97,14 +98,14 @@ class Study:
         return make_scene(self.config)
 
     @cached_property
-    def accuracy(self) -> Accuracy:
+    def accuracy(self) -> AnyAccuracy:
         """The accuracy of the settings."""
         return make_accuracy(self.config.accuracy)
 
     @cached_property
-    def finer_accuracy(self) -> Accuracy:
+    def finer_accuracy(self) -> AnyAccuracy:
         """The accuracy that what a search found is walked again at: study.confirm, or the search's own."""
-        return Accuracy.named(self.options.confirm) if self.options.confirm else self.accuracy
+        return resolve(self.options.confirm) if self.options.confirm else self.accuracy
 
     @cached_property
     def space(self) -> Waypoints:
@@ -288,9 +289,9 @@ def validity_entry(diagnostics: Sequence[Diagnostic]) -> dict[str, Any]:
     }
 
 
-def accuracy_entry(accuracy: Accuracy, scene: Scene, sole: Foot | Waypoints) -> dict[str, Any]:
+def accuracy_entry(accuracy: AnyAccuracy, scene: Scene, sole: Foot | Waypoints) -> dict[str, Any]:
     """An accuracy in result.json as a sole, or all soles of a space, walk through a scene."""
-    return dataclasses.asdict(adapted(accuracy, scene, sole))
+    return dataclasses.asdict(numerics(accuracy, scene, sole))
 
 
 def scene_entry(scene: Scene, accuracy: Accuracy, names: Sequence[str]) -> dict[str, Any]:

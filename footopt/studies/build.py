@@ -37,7 +37,7 @@ from footopt.studies.settings import (
     leaves,
 )
 from footopt.walk import Accuracy, Scene, Walker
-from footopt.walk.accuracy import PRESETS
+from footopt.walk.accuracy import PRESETS, AnyAccuracy, Tolerance
 
 #: Settings that name files or folders to read.
 PATHS = ("foot.path", "gait.path", "sand.table", "study.store", "study.run", "study.runs",
@@ -306,14 +306,14 @@ def make_problem(config: Config, scene: Scene) -> FootProblem:
     )
 
 
-def make_accuracy(config: AccuracyConfig) -> Accuracy:
-    """The accuracy of the settings: a preset or a tolerance, and what is set by hand over it."""
+def make_accuracy(config: AccuracyConfig) -> AnyAccuracy:
+    """The accuracy of the settings: a preset or a tolerance, and the numbers that are held by hand."""
     names = (*PRESETS, "custom")
     check(config.name in names, "accuracy.name", config.name, f"one of {', '.join(names)}")
-    if config.tolerance is not None:
-        accuracy = Accuracy.within(config.tolerance)
-    else:
-        accuracy = PRESETS.get(config.name, Accuracy())
     parts = {name: value for name, value in vars(config).items() if name not in ("name", "tolerance")}
     by_hand = {name: value for name, value in parts.items() if value is not None}
-    return replace(accuracy, **by_hand, name="custom", adapt=False) if by_hand else accuracy
+    if config.tolerance is None and config.name not in PRESETS:
+        return Accuracy(**by_hand)
+    preset = PRESETS.get(config.name, Tolerance())
+    changed = by_hand if config.tolerance is None else {"error": config.tolerance, "refinements": 0} | by_hand
+    return replace(preset, **changed, name="custom") if changed else preset

@@ -15,6 +15,7 @@ from footopt.studies.audit import Audit, audit, every_effect, switched, toleranc
 from footopt.studies.base import Study, accuracy_entry, scene_entry
 from footopt.studies.settings import FEET_HELP, SCENE, SPACE, StudySettings, setting
 from footopt.walk import FIVE, evaluate
+from footopt.walk.ladder import numerics
 
 
 @dataclass
@@ -47,7 +48,7 @@ def run(study: Study) -> None:
         {
             "seed": study.seed,
             "feet": feet.tolist(),
-            **scene_entry(scene, accuracy, ()),
+            **scene_entry(scene, numerics(accuracy, scene, space), ()),
             "audit": [a.entry | {"accuracy": own} for a, own in zip(found, walked, strict=True)],
             "called_for": sorted(name_of(a.effect) for a in found if a.matters),
         },

@@ -33,7 +33,9 @@ from footopt.studies.base import Study, accuracy_entry, foot_entry, scene_entry
 from footopt.studies.build import check_searchable, make_scene, make_spread
 from footopt.studies.settings import Config, SearchSettings, SpreadConfig, default, setting
 from footopt.studies.validation.model import model_error
-from footopt.walk import MEASURES, Accuracy, Scene, simulate
+from footopt.walk import MEASURES, Scene, simulate
+from footopt.walk.accuracy import AnyAccuracy
+from footopt.walk.ladder import numerics
 
 Array = NDArray[np.float64]
 Heights = dict[str, NDArray[np.int64]]  # of soles, by the feet's names
@@ -137,7 +139,7 @@ def run(study: Study) -> None:
                 for name, row in zip(compared.names, compared.regrets.tolist(), strict=True)
             },
             "held_out_regret": None if fresh is None else fresh.tolist(),
-            **scene_entry(scene, finer, judge.record),
+            **scene_entry(scene, numerics(finer, scene, judge.space), judge.record),
             "search_accuracy": asdict(problem.accuracy),
             "solver": asdict(solver),
             "seed": solver.seed,
@@ -262,7 +264,7 @@ def _remarks(scenarios: list[str], compared: Comparison, fresh: Array | None) ->
     return remarks
 
 
-def scenario_entry(scenario: Scenario, accuracy: Accuracy, space: Waypoints) -> dict[str, Any]:
+def scenario_entry(scenario: Scenario, accuracy: AnyAccuracy, space: Waypoints) -> dict[str, Any]:
     """A scenario in result.json, with the numbers that an accuracy comes to in it."""
     scene = scenario.scene
     return {

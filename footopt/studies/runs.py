@@ -31,6 +31,7 @@ from footopt.studies.build import (
 )
 from footopt.studies.settings import REPORTS, STUDIES, Config, FootConfig, searches, structured
 from footopt.walk import Accuracy, Scene, Walk, simulate
+from footopt.walk.accuracy import AnyAccuracy
 
 __version__ = version("footopt")
 
@@ -254,7 +255,7 @@ class Run:
             frame[name] = pandas.to_numeric(frame[name])
         return frame.astype({"feasible": bool, "on_front": bool}).rename_axis("design")
 
-    def walk(self, accuracy: Accuracy | str | None = None) -> Walk:
+    def walk(self, accuracy: AnyAccuracy | str | None = None) -> Walk:
         """Walk with its foot in its scene, by default as finely as its own numbers were."""
         if accuracy is None:
             saved = self.result.get("accuracy")

@@ -17,9 +17,9 @@ from footopt.studies.base import Study, foot_entry, scene_entry
 from footopt.studies.settings import OUTLINE, SCENE, SHAPE_SETTINGS, SPACE, Config, StudySettings, setting
 from footopt.studies.stability_cases import CASES, Case
 from footopt.studies.stability_judges import Measure, Truth, find_truth, judge
-from footopt.walk import STEPPERS, Accuracy, Scene, Walk, simulate
-from footopt.walk.accuracy import TOLERANCES
-from footopt.walk.adapt import adapted
+from footopt.walk import STEPPERS, Scene, Walk, simulate
+from footopt.walk.accuracy import AnyAccuracy
+from footopt.walk.ladder import numerics
 from footopt.walk.resolution import BEYOND, PROMISE
 
 #: Of the time step, for explicit steppers, which evaluate no Jacobian and solve nothing: Euler then has the
@@ -84,14 +84,14 @@ class Verdict(NamedTuple):
 
 def judge_case(
     case: Case,
-    base: tuple[Foot, Scene, Accuracy],
+    base: tuple[Foot, Scene, AnyAccuracy],
     methods: Sequence[str],
     step: Callable[[], None] = lambda: None,
 ) -> list[Verdict]:
     """Judge a case, which starts from the settings `base`, with `METHODS`; `step` is called after each."""
     foot, scene = case.foot() if case.foot else base[0], case.scene(base[1])
-    own = replace(adapted(base[2], scene, foot), **case.accuracy)
-    control, limit = own.control or CONTROL, BEYOND * TOLERANCES.get(base[2].name, PROMISE)
+    own = replace(numerics(base[2], scene, foot), **case.accuracy)
+    control, limit = own.control or CONTROL, BEYOND * (own.tolerance or PROMISE)
     truth = find_truth(foot, scene, replace(own, stepper="sdirk2", control=control), case.accuracy, limit)
     found: list[Verdict] = []
     for method in methods:
@@ -139,7 +139,7 @@ def run(study: Study) -> None:
         [table],
         {
             "design": foot_entry(study.foot),
-            **scene_entry(study.scene, study.accuracy, ()),
+            **scene_entry(study.scene, numerics(study.accuracy, study.scene, study.foot), ()),
             "stable": stable,
             "verdicts": [v.entry for row in found for v in row],
         },

@@ -1,6 +1,6 @@
 """The walker on sand: scene, compiled loops, steppers, and objectives."""
 
-from footopt.walk.accuracy import PRESETS, Accuracy
+from footopt.walk.accuracy import PRESETS, Accuracy, Tolerance
 from footopt.walk.objectives import FIVE, MEASURES, OBJECTIVES, gain_shares
 from footopt.walk.resolution import estimate_error
 from footopt.walk.results import Table, Walk
@@ -19,6 +19,7 @@ __all__ = [
     "Diagnostic",
     "Scene",
     "Table",
+    "Tolerance",
     "Walk",
     "Walker",
     "diagnose",

@@ -1,16 +1,12 @@
-"""How finely a scene is simulated: `Accuracy`, the presets, and the table that they are chosen from."""
+"""How finely a scene is simulated: numbers (`Accuracy`), or the error that is allowed (`Tolerance`)."""
 
 from __future__ import annotations
 
-import csv
 import math
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import lru_cache
-from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
-from footopt.errors import SettingError, check, check_kind, check_whole
+from footopt.errors import SettingError, check, check_whole
 from footopt.foot.plates import RULES
 from footopt.walk.steppers import STEPPERS
 
@@ -41,9 +37,8 @@ class Accuracy:
     control : float, m/s, optional
         The largest estimated error of the hip's velocity in one step: a step beyond it is halved, three
         times at most, and dt is the longest. None: all steps are as long.
-    adapt : bool
-        Whether these numbers are for the paper's walk and others are to follow from a scene
-        (`footopt.walk.adapt`): so it is of the presets.
+    tolerance : float, optional
+        The relative error that these numbers were found for (`Tolerance`).
 
     Raises
     ------
@@ -58,7 +53,7 @@ class Accuracy:
     name: str = "custom"
     rule: str = "arc"
     control: float | None = None
-    adapt: bool = False
+    tolerance: float | None = None
 
     def __post_init__(self) -> None:
         if self.rule not in RULES:
@@ -81,40 +76,6 @@ class Accuracy:
             "null, or a speed from 1e-12 to 1, in m/s",
             "Try 1e-4.",
         )
-
-    @classmethod
-    def named(cls, name: str) -> Accuracy:
-        """One of `PRESETS`."""
-        if name not in PRESETS:
-            raise SettingError("accuracy", name, f"one of {', '.join(PRESETS)}")
-        return PRESETS[name]
-
-    @classmethod
-    def within(cls, tolerance: float) -> Accuracy:
-        """The cheapest setting of the accuracy study whose error is within a tolerance.
-
-        Of those whose steps are under control: the table knows three sands, and where another scene
-        is harder, such a walk takes shorter steps instead of a larger error.
-
-        Parameters
-        ----------
-        tolerance : float
-            Relative error of the worst objective for 95 % of random feet inside the box, on soft,
-            regular and hard sand, against the limit of small steps and many plates.
-        """
-        table = [row for row in measured_settings() if row["control"] is not None]
-        rows = [row for row in table if row["error"] <= MARGIN * tolerance]
-        if not rows:
-            best = math.ceil(1e6 * min(row["error"] for row in table) / MARGIN) / 1e6
-            raise SettingError(
-                "accuracy.tolerance",
-                tolerance,
-                f"at least {best:g}, the best that was measured",
-                "Use accuracy=reference, or set dt and plates by hand.",
-            )
-        row = min(rows, key=work)
-        setting = {name: row[name] for name in ("stepper", "dt", "plates", "creep", "rule", "control")}
-        return cls(**setting, name=f"within {tolerance:g}", adapt=True)
 
     def refined(self, times: int = 1) -> Accuracy:
         """Half the time step (under control an eighth of it), twice the plates, half the creep speed.
@@ -139,53 +100,81 @@ class Accuracy:
         return max(1, math.ceil(t_f / self.dt - 1e-9))
 
 
-#: Every setting's error, the largest on soft, regular and hard sand, and its cost, as once measured.
-TABLE = Path(__file__).parent / "accuracy.csv"
-TABLE_COLUMNS = (
-    "stepper", "rule", "dt", "control", "plates", "creep", "error", "evaluations", "plate_evaluations", "ms",
-)  # fmt: skip
-#: Plates that take as long as what else is in an evaluation of the contact; the study measures it.
-EVALUATION = 50.0
-
-
-def work(row: Mapping[str, Any]) -> float:
-    """The cost of a setting on any machine, in evaluations of a plate for each design.
+@dataclass(frozen=True)
+class Tolerance:
+    """An accuracy as the error that is allowed: numbers are found in each scene (`footopt.walk.ladder`).
 
     Parameters
     ----------
-    row : mapping
-        Of `measured_settings`.
+    error : float
+        Largest relative error of the worst objective, for 97 % of the feet.
+    name : str
+        Of the preset, for tables.
+    stepper, rule : str
+        As `Accuracy` has them.
+    dt, plates, creep, control : optional
+        Numbers of `Accuracy` that are held; the others are found.
+    refinements : int
+        How often the numbers that were found are refined (`Accuracy.refined`): twice for a reference.
+
+    Raises
+    ------
+    SettingError
+        A name is not known, or a number is not allowed.
     """
-    return float(EVALUATION * row["evaluations"] + row["plate_evaluations"])
+
+    error: float = 0.005
+    name: str = "custom"
+    stepper: str = "sdirk2"
+    rule: str = "arc"
+    dt: float | None = None
+    plates: int | None = None
+    creep: float | None = None
+    control: float | None = None
+    refinements: int = 0
+
+    def __post_init__(self) -> None:
+        hint = "Use accuracy=reference, or set dt, plates and creep by hand."
+        check(1e-5 <= self.error <= 0.5, "accuracy.tolerance", self.error, "a number from 1e-5 to 0.5", hint)
+        Accuracy(self.stepper, rule=self.rule, **self.by_hand)  # which checks them
+
+    @property
+    def by_hand(self) -> dict[str, Any]:
+        """The numbers that are held."""
+        names = ("dt", "plates", "creep", "control")
+        return {name: value for name in names if (value := getattr(self, name)) is not None}
 
 
-@lru_cache
-def measured_settings() -> tuple[dict[str, Any], ...]:
-    """Rows of the accuracy study: a setting, its error (a fraction), its work and ms per design and core."""
-    kinds: tuple[Callable[[str], Any], ...]
-    kinds = (str, str, float, lambda text: float(text) if text else None, int, *5 * (float,))
-    with open(TABLE, newline="", encoding="utf-8") as file:
-        return tuple(
-            {name: kind(row[name]) for name, kind in zip(TABLE_COLUMNS, kinds, strict=True)}
-            for row in csv.DictReader(file)
-        )
+#: What walks are evaluated at.
+AnyAccuracy: TypeAlias = Accuracy | Tolerance
+
+#: Plates that take as long as what else is in an evaluation of the contact.
+EVALUATION = 50.0
 
 
-#: The part of a tolerance that a setting may use: other feet of the same kind give another 95 %.
-MARGIN = 0.7
+def work(evaluations: Any, plates: Any) -> Any:
+    """The cost of walks on any machine, in evaluations of a plate, from their counts."""
+    return EVALUATION * evaluations + plates
 
-#: Tolerances of the presets that are chosen from the table.
-TOLERANCES = {"draft": 0.02, "standard": 0.005, "fine": 0.0005}
 
 #: Accuracies by name; "reference" is converged for every purpose but a study of convergence.
-PRESETS: dict[str, Accuracy] = {
-    **{name: replace(Accuracy.within(value), name=name) for name, value in TOLERANCES.items()},
-    "reference": Accuracy("sdirk2", 2e-4, 400, 1e-5, "reference", adapt=True),
+PRESETS: dict[str, Tolerance] = {
+    "draft": Tolerance(0.02, "draft"),
+    "standard": Tolerance(0.005, "standard"),
+    "fine": Tolerance(0.0005, "fine"),
+    "reference": Tolerance(0.0005, "reference", refinements=2),
 }
 
+#: Tolerances of the presets that promise one.
+TOLERANCES = {name: preset.error for name, preset in PRESETS.items() if not preset.refinements}
 
-def resolve(accuracy: Accuracy | str) -> Accuracy:
+
+def resolve(accuracy: AnyAccuracy | str) -> AnyAccuracy:
     """An accuracy, given itself or a preset's name."""
-    found = Accuracy.named(accuracy) if isinstance(accuracy, str) else accuracy
-    check_kind(found, Accuracy, "accuracy", 'Try "standard"')
-    return found
+    if isinstance(accuracy, str):
+        if accuracy not in PRESETS:
+            raise SettingError("accuracy", accuracy, f"one of {', '.join(PRESETS)}")
+        return PRESETS[accuracy]
+    kinds = "an Accuracy, a Tolerance, or a preset's name"
+    check(isinstance(accuracy, (Accuracy, Tolerance)), "accuracy", accuracy, kinds, 'Try "standard"')
+    return accuracy

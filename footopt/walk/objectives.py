@@ -215,6 +215,11 @@ def peak_vertical_force(raw: Raw, scene: Scene) -> Array:
 FIVE = ("distance", "mean_height", "work", "peak_power", "speed_loss")
 
 
+def sizes(values: Array) -> Array:
+    """Sizes that errors of the `FIVE` (walks, objectives) are relative to: J_W's floors or 1 mm at least."""
+    return np.maximum(np.abs(values), [FLOORS.get(name, 1e-3) for name in FIVE])
+
+
 def relative_change(values: Array, base: Array) -> Array:
     """values / base - 1, and 0 where both are equal: a walker that never brakes loses no speed in either."""
     with np.errstate(divide="ignore", invalid="ignore"):

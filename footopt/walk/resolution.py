@@ -10,7 +10,7 @@ import numpy as np
 
 from footopt.foot import Foot
 from footopt.walk import discretize
-from footopt.walk.accuracy import TOLERANCES, Accuracy, resolve
+from footopt.walk.accuracy import Accuracy, AnyAccuracy, resolve
 from footopt.walk.objectives import FIVE, FLOORS, OBJECTIVES
 from footopt.walk.results import Walk
 from footopt.walk.scene import Scene
@@ -46,7 +46,7 @@ def finer(accuracy: Accuracy) -> dict[str, Accuracy]:
 def estimate_error(
     foot: Foot,
     scene: Scene | None = None,
-    accuracy: Accuracy | str = "standard",
+    accuracy: AnyAccuracy | str = "standard",
     names: Sequence[str] | None = None,
 ) -> dict[str, float]:
     """Error estimate of a walk's objectives by refinement, absolute, in their own units.
@@ -90,7 +90,7 @@ def resolution(walk: Walk, errors: Mapping[str, float]) -> list[Diagnostic]:
         for name in FIVE
         if math.isfinite(values[name]) and math.isfinite(errors.get(name, math.nan))
     }
-    promise = TOLERANCES.get(walk.accuracy.name, PROMISE)
+    promise = walk.accuracy.tolerance or PROMISE
     limit = BEYOND * promise
     if not walk.feasible:
         return []

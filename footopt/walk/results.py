@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -106,16 +106,6 @@ class Table:
         frame = pandas.DataFrame(columns | {"feasible": self.feasible, "reason": self.reasons.astype(object)})
         frame.attrs["units"] = {name: MEASURES[name].unit for name in self.names}
         return frame.rename_axis("foot")
-
-
-def joined(tables: Sequence[Table], order: NDArray[np.int64]) -> Table:
-    """Tables of one scene and the same objectives as one, its rows in an order."""
-    if len(tables) == 1:
-        return tables[0]
-    first = vars(tables[0])
-    columns = (name for name, column in first.items() if isinstance(column, np.ndarray))
-    rows: dict[str, Any] = {n: np.concatenate([getattr(t, n) for t in tables])[order] for n in columns}
-    return replace(tables[0], **rows)
 
 
 class Variable(NamedTuple):

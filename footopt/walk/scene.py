@@ -4,16 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from functools import cached_property
-from typing import NamedTuple
-
-import numpy as np
 
 from footopt.effects import base as effects
 from footopt.effects.base import Effect, ordered
 from footopt.errors import SettingError, check, check_kind
 from footopt.gait import Gait
-from footopt.sand import Sand, alpha
+from footopt.sand import Sand
 from footopt.sand.law import EARTH
 
 #: Units and ranges of a walker's numbers, from an insect to an excavator that walks.
@@ -23,18 +19,6 @@ WALKERS = {
     "l2": ("m", 1e-4, 100.0),
     "g": ("m/s^2", 1e-6, 1e6),
 }
-
-
-#: For rough numbers before a walk: a sole's area, m^2, and a stride over the length of a leg.
-SOLE, STRIDE = 0.026, 1.3
-
-
-class Scale(NamedTuple):
-    """Rough numbers of a scene."""
-
-    stress: float  # zeta alpha_z of a level plate that moves down, N/m^3
-    depth: float  # to which a level foot sinks, m
-    distance: float  # walked, m
 
 
 @dataclass(frozen=True)
@@ -146,15 +130,6 @@ class Scene:
     def gravity(self) -> tuple[float, float]:
         """Gravity along the surface (negative uphill, 0 if it is level) and against its normal, m/s^2."""
         return effects.gravity(self.effects, self.walker.g)
-
-    @cached_property
-    def scale(self) -> Scale:
-        """Rough numbers of the walk, before anything walks."""
-        _, down = alpha(0.0, np.pi / 2, self.sand.stress_map)
-        stress = self.zeta * float(down)
-        strides = max(self.duration - self.gait.start, 0.0) / self.gait.period
-        length = STRIDE * (self.walker.l1 + self.walker.l2)
-        return Scale(stress, self.walker.weight / (stress * SOLE), length * strides)
 
     def need_heel_strike(self) -> None:
         """Raise unless the walk has a heel strike: without one p_max and dV_x are not defined."""

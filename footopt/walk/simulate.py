@@ -13,13 +13,13 @@ from footopt.effects import base as effects
 from footopt.errors import check_kind
 from footopt.foot import Foot, Waypoints, as_feet
 from footopt.walk import discretize
-from footopt.walk.accuracy import Accuracy, resolve
-from footopt.walk.adapt import accuracies, adapted
+from footopt.walk.accuracy import Accuracy, AnyAccuracy, resolve
 from footopt.walk.batch import REASONS, Options, chunks, walk_batch
+from footopt.walk.ladder import numerics
 from footopt.walk.loop import OK
 from footopt.walk.metrics import RAW, Sample
 from footopt.walk.objectives import FIVE, Objective, by_name, lookup
-from footopt.walk.results import Table, Walk, joined
+from footopt.walk.results import Table, Walk
 from footopt.walk.scene import Scene
 from footopt.walk.state import COUNTS
 
@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 SAFE = 2.0  # times the differences to two refined walks, see `estimated`
 
 
-def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = "standard") -> Walk:
+def simulate(foot: Foot, scene: Scene | None = None, accuracy: AnyAccuracy | str = "standard") -> Walk:
     """Walk through a scene with one foot, keeping full traces.
 
     Parameters
@@ -38,8 +38,8 @@ def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = 
         The sole.
     scene : Scene, optional
         The paper's walk on hard sand by default.
-    accuracy : Accuracy or str
-        An accuracy, or a preset's name.
+    accuracy : Accuracy, Tolerance or str
+        Numbers, an error that is allowed, or a preset's name.
 
     Returns
     -------
@@ -53,7 +53,7 @@ def simulate(foot: Foot, scene: Scene | None = None, accuracy: Accuracy | str = 
     """
     check_kind(foot, Foot, "foot", "Try fo.Foot.from_waypoints(heights)")
     scene = _scene(scene)
-    accuracy = adapted(resolve(accuracy), scene, foot)
+    accuracy = numerics(resolve(accuracy), scene, foot)
     directed = effects.laws(scene.effects).directed
     plates = foot.plates(accuracy.plates, accuracy.rule, directed, effects.reshaping(scene.effects))
     walked = walk_batch(plates, scene, accuracy, Options(sink=True, threads=1, traced=True))
@@ -84,7 +84,7 @@ def _pair(a: Array, b: Array) -> Array:
 def evaluate(
     feet: Foot | Sequence[Foot] | ArrayLike,
     scene: Scene | None = None,
-    accuracy: Accuracy | str = "standard",
+    accuracy: AnyAccuracy | str = "standard",
     objectives: str | Sequence[str] = FIVE,
     space: Waypoints | None = None,
     threads: int | None = None,
@@ -92,7 +92,8 @@ def evaluate(
 ) -> Table:
     """Walk through a scene with many feet, keeping objectives only: the fast path.
 
-    A design's result does not depend on the others in the batch or on the number of threads.
+    A result does not depend on the number of threads, nor on the other designs of a batch if the accuracy is
+    numbers, or feet are of one space. Of other feet, ten in the batch say which numbers all of them need.
 
     Parameters
     ----------
@@ -126,17 +127,9 @@ def evaluate(
     scene.need_heel_strike()
     objectives = (objectives,) if isinstance(objectives, str) else tuple(objectives)
     lookup(objectives)
-    parts, order = [], []
-    for finely, index in accuracies(bodies, scene, accuracy, space).items():
-        whole = len(index) == len(bodies)
-        some = bodies if whole else [bodies[i] for i in index]
-        given = some, scene, finely, objectives, space, threads
-        part = _evaluated(*given)
-        if errors:
-            part = replace(part, errors=estimated(part.values, *given))
-        parts.append(part)
-        order += index
-    return joined(parts, np.argsort(order))
+    given = bodies, scene, numerics(accuracy, scene, bodies, space), objectives, space, threads
+    table = _evaluated(*given)
+    return replace(table, errors=estimated(table.values, *given)) if errors else table
 
 
 def estimated(

@@ -14,9 +14,10 @@ from footopt.report.page.file import packed
 from footopt.report.stage import ARROWS
 from footopt.sand.law import EARTH, PER_CM3
 from footopt.walk import Accuracy, Scene, discretize, newton
-from footopt.walk.adapt import adapted
+from footopt.walk.accuracy import AnyAccuracy
 from footopt.walk.batch import MAX_REPEATS
 from footopt.walk.contact import BENT, EXPOSED, TURN
+from footopt.walk.ladder import numerics
 from footopt.walk.loop import NEAR_PEAK, PEAK
 from footopt.walk.objectives import FLOORS
 from footopt.walk.steppers import STEPPERS
@@ -25,12 +26,12 @@ STEPPER = "sdirk2"
 ROWS = 200_000  # poses, at most, of a walk that a browser is to tabulate: 22 MB
 
 
-def physics(scene: Scene, accuracy: Accuracy, foot: Foot | Waypoints) -> dict[str, Any]:
+def physics(scene: Scene, accuracy: AnyAccuracy, foot: Foot | Waypoints) -> dict[str, Any]:
     """The constants, in SI units, of the page's walks: of its one foot, or of all soles of a space.
 
     Where the page cannot walk, only the reason, as "refusal".
     """
-    accuracy = adapted(accuracy, scene, foot)
+    accuracy = numerics(accuracy, scene, foot)
     if why := refusal(scene, accuracy, foot):
         return {"refusal": why}
     gait, walker, (tilt, g) = scene.gait, scene.walker, scene.gravity

@@ -15,7 +15,8 @@ from footopt.report.page.file import column, packed
 from footopt.report.page.physics import physics, spline
 from footopt.report.stage import forces_along, ground, groups
 from footopt.report.terminal import describe_confirmation, describe_foot, describe_scene, describe_search
-from footopt.walk import MEASURES, Accuracy, Scene, Walk
+from footopt.walk import MEASURES, Scene, Walk
+from footopt.walk.accuracy import AnyAccuracy
 from footopt.walk.phases import step_on_patch
 
 FRAMES = 250  # samples of a walk's forces along the sole
@@ -111,7 +112,7 @@ def _common(
     entry: dict[str, Any],
     scene: Scene,
     names: Sequence[str],
-    accuracy: Accuracy,
+    accuracy: AnyAccuracy,
     foot: Foot | Waypoints,
     step: int,
 ) -> dict[str, Any]:

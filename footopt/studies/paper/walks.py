@@ -19,7 +19,8 @@ from footopt.foot import SHAPES, Foot, lower_hull
 from footopt.sand import Sand
 from footopt.studies.build import make_accuracy, make_foot, make_scene, make_space
 from footopt.studies.settings import SHAPE_SETTINGS, SPACE, WORLD, Config, StudySettings, setting
-from footopt.walk import OBJECTIVES, Accuracy, Walk, simulate
+from footopt.walk import OBJECTIVES, Walk, simulate
+from footopt.walk.accuracy import resolve
 from footopt.walk.objectives import SLOW
 
 SANDS = ("soft", "regular", "hard")
@@ -182,7 +183,7 @@ def evidence(config: Config, found: dict[str, list[int]]) -> Evidence:
     if not (solver.walks or solver.n_gen):
         solver = replace(solver, walks=EVALUATIONS)
     space, accuracy, scene = make_space(config.foot), make_accuracy(config.accuracy), make_scene(config)
-    confirm = Accuracy.named(study.confirm) if study.confirm else accuracy
+    confirm = resolve(study.confirm) if study.confirm else accuracy
     scene.need_heel_strike()
     scenes = {sand: replace(scene, sand=Sand.named(sand)) for sand in SANDS}
 
