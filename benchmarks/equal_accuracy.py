@@ -9,6 +9,7 @@ from measure import error, interleaved
 from numpy.typing import NDArray
 
 import footopt as fo
+from footopt.walk.accuracy import PRESETS
 
 Array = NDArray[np.float64]
 
@@ -75,7 +76,7 @@ def compare(
     -------
     settings, and s per design, by method: "explicit", "fixed" and "controlled".
     """
-    default = fo.Accuracy.named("standard").stepper
+    default = PRESETS["standard"].stepper
     found = {
         name: cheapest(stepper, k, sand_scene, target, halvings=halvings)
         for name, stepper in (("explicit", "explicit_euler"), ("fixed", default))

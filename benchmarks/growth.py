@@ -18,6 +18,8 @@ import numpy as np
 from measure import exponent, interleaved
 
 import footopt as fo
+from footopt.walk.accuracy import PRESETS
+from footopt.walk.ladder import numerics
 
 DESIGNS = (100, 200, 400, 800, 1600, 3200)
 PLATES = (32, 64, 128, 256, 512)
@@ -40,7 +42,8 @@ def in_plates(
     sizes: Sequence[int] = PLATES, designs: int = 100, repeats: int = 5
 ) -> tuple[float, dict[float, float]]:
     """Exponent, and seconds by the number of plates."""
-    scene, k, standard = fo.Scene(), fo.Waypoints().random(designs, 1), fo.Accuracy.named("standard")
+    scene, space = fo.Scene(), fo.Waypoints()
+    k, standard = space.random(designs, 1), numerics(PRESETS["standard"], scene, space)
     return _fit(
         {n: lambda n=n: fo.evaluate(k, scene, replace(standard, plates=n), threads=1) for n in sizes}, repeats
     )

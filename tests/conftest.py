@@ -64,7 +64,7 @@ def walk(scene, ramp_foot):
 
 @pytest.fixture(scope="session")
 def fine_walk(scene, ramp_foot):
-    return fo.simulate(ramp_foot, scene, "reference")
+    return fo.simulate(ramp_foot, scene, fo.Accuracy("sdirk2", 2e-4, 400, 1e-5))
 
 
 @cache

@@ -36,8 +36,8 @@ import footopt as fo
 from footopt.design.scenarios import deformed
 from footopt.errors import FootoptError
 from footopt.sand import MEDIA
-from footopt.walk.accuracy import EVALUATION
-from footopt.walk.adapt import accuracies
+from footopt.walk.accuracy import PRESETS, work
+from footopt.walk.ladder import numerics
 from footopt.walk.objectives import FIVE, FLOORS
 
 FEET = 16  # of a scene whose feet are waypoints
@@ -204,15 +204,13 @@ def scale_of(values):
 
 def truth_of(feet, scene, space=None):
     """Objectives and reasons by much finer plates, creep speed and steps."""
-    values, reasons = np.empty((len(feet), len(FIVE))), np.empty(len(feet), object)
-    for own, index in accuracies(feet, scene, fo.Accuracy.named("standard"), space).items():
-        slower = own.creep / fo.Accuracy.named("standard").creep
-        plates = min(max(1024, 8 * own.plates), 6400)
-        dt = 4e-4 * min(scene.gait.period / 1.2, 1.0)
-        finest = fo.Accuracy("sdirk2", dt, plates, 2e-6 * slower, "truth", control=1e-7 * slower)
-        table = fo.evaluate([feet[i] for i in index], scene, finest, space=space)
-        values[index], reasons[index] = table.values, table.reasons
-    return values, reasons
+    own = numerics(PRESETS["fine"], scene, feet, space)
+    period, speed = scene.gait.period / 1.2, (scene.walker.l1 + scene.walker.l2) / scene.gait.period
+    plates = min(max(1024, 3 * own.plates), 6400)
+    creep = min(2.6e-6 * speed, 0.2 * own.creep)
+    finest = fo.Accuracy("sdirk2", 4e-4 * period, plates, creep, "truth", control=1.3e-7 * speed)
+    table = fo.evaluate(feet, scene, finest, space=space)
+    return table.values, table.reasons
 
 
 def judge(feet, scene, accuracy="standard", space=None):
@@ -228,7 +226,7 @@ def judge(feet, scene, accuracy="standard", space=None):
 
 def work_of(table):
     """What each walk of a table takes on any machine, in evaluations of a plate."""
-    return EVALUATION * table.evaluations + table.plates
+    return work(table.evaluations, table.plates)
 
 
 def promises(found):
@@ -259,7 +257,7 @@ NUMBERS = (*FIVE, *(f"{name} estimate" for name in FIVE), "cost", "plain cost")
 def judged_rows(number, drawn, count=2):
     """Rows of the table: of the first feet of a scene."""
     feet = drawn.feet[:count]
-    plain = replace(fo.Accuracy.named("standard"), adapt=False)
+    plain = fo.Accuracy("sdirk2", 0.01, 56, 1e-4, control=2e-3)  # what the paper's walk needs
     works = work_of(fo.evaluate(feet, drawn.scene, plain, space=drawn.space))
     for i, one in enumerate(judge(feet, drawn.scene, space=drawn.space)):
         about = [drawn.about[name] for name in SHOWN]

@@ -1,10 +1,10 @@
 """The numbers of a tolerance: a ladder of refinements, climbed with a few soles until errors are within it.
 
-Errors have three sides: the time step with its control, the plates, and the creep speed. A rung of a side is
-finer than the one below by a known factor. From the coarsest numbers on, each side alone goes up by a rung: what
-that changes in the objectives, times `SAFE`, is the error that the side leaves. The side with the largest error
-for what its refinement costs goes up, until the errors add up to `SHARE` of the tolerance. Costs are evaluations
-and plates, never seconds: the choice is the same on every machine.
+Errors have three sides: the time step with its control, the plates, and the creep speed. A rung of a side
+is finer than the one below by a known factor. From the coarsest numbers on, each side alone goes up by a
+rung: what that changes in the objectives, times `SAFE`, is the error that the side leaves. The side with
+the largest error for what its refinement costs goes up, until the errors add up to `SHARE` of the
+tolerance. Costs are evaluations and plates, never seconds: the choice is the same on every machine.
 """
 
 from __future__ import annotations

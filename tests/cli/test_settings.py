@@ -27,7 +27,6 @@ from footopt.studies import build, studies_that_read
 from footopt.studies.robust import make_scenarios
 from footopt.studies.settings import Config, known
 from footopt.walk import PRESETS
-from footopt.walk.accuracy import MARGIN, measured_settings, work
 
 #: All choices; those of groups that do not touch each other together, because composing takes a while.
 APART = ("study", "sand", "accuracy", "foot", "engine")
@@ -59,7 +58,7 @@ class TestDefaults:
         config = composed()
         assert build.make_scene(config) == fo.Scene()
         assert build.make_space(config.foot) == fo.Waypoints()
-        assert build.make_accuracy(config.accuracy) == fo.Accuracy.named("standard")
+        assert build.make_accuracy(config.accuracy) == PRESETS["standard"]
         assert build.make_spread(composed("study=robust")) == fo.Spread()
         assert Solver(**vars(config.solver)) == Solver()
         assert set(groups()["study"]) == {*studies.STUDIES, "own"}
@@ -129,21 +128,13 @@ def leaves(values, place=""):
 
 
 class TestBuild:
-    def test_a_tolerance_picks_the_cheapest_measured_setting(self):
-        for tolerance in (0.02, 0.01, 0.005):
-            picked = build.make_accuracy(
-                composed("accuracy=custom", f"accuracy.tolerance={tolerance}").accuracy
-            )
-            held = [r for r in measured_settings() if r["control"] is not None]
-            good = [r for r in held if r["error"] <= MARGIN * tolerance]
-            row = min(good, key=work)
-            for name in ("stepper", "dt", "control", "plates", "creep", "rule"):
-                assert getattr(picked, name) == row[name]
-
-    def test_parts_of_an_accuracy_are_set_by_hand_over_a_preset(self):
-        fine = fo.Accuracy.named("fine")
+    def test_numbers_by_hand_are_held_and_others_found(self):
+        custom = build.make_accuracy(composed("accuracy=custom", "accuracy.tolerance=0.01").accuracy)
+        assert custom == fo.Tolerance(0.01)
         mine = build.make_accuracy(composed("accuracy=fine", "accuracy.plates=300").accuracy)
-        assert (mine.plates, mine.dt, mine.name) == (300, fine.dt, "custom")
+        assert mine == fo.Tolerance(0.0005, plates=300)
+        exact = build.make_accuracy(composed("accuracy=custom", "accuracy.plates=300").accuracy)
+        assert exact == fo.Accuracy(plates=300)
 
     def test_a_table_of_stresses_or_coefficients_make_a_sand(self, tmp_path):
         path = tmp_path / "stress.csv"

@@ -57,8 +57,9 @@ class TestTheWalk:
     def test_a_hollow_foot_walks_as_one_whose_hollow_was_filled(self):
         foot = fo.Foot.from_waypoints(K)
         body = fo.Foot(filled(foot.contour[None], 0.4)[0], foot.width)
-        shaded = fo.simulate(foot, fo.Scene(effects=(fo.Shadowing(0.4),))).objectives
-        for name, value in fo.simulate(body).objectives.items():
+        accuracy = fo.Accuracy(plates=100, control=1e-3)
+        shaded = fo.simulate(foot, fo.Scene(effects=(fo.Shadowing(0.4),)), accuracy).objectives
+        for name, value in fo.simulate(body, accuracy=accuracy).objectives.items():
             assert shaded[name] == pytest.approx(value, rel=5e-3)
 
     def test_many_feet_walk_as_one_does_and_plates_add_up_to_the_force(self):

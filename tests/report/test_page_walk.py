@@ -12,6 +12,7 @@ from footopt.report import page
 from footopt.report.page.physics import physics, spline
 from footopt.report.page.study import NOTHING
 from footopt.walk import OBJECTIVES
+from footopt.walk.accuracy import resolve
 
 NAMES = tuple(OBJECTIVES)
 SANDS = ("soft", "hard", "mars_simulant")
@@ -118,6 +119,6 @@ def test_so_do_soles_in_any_scene_or_the_page_says_what_rounding_does(seed, brow
     ],
 )
 def test_where_the_page_cannot_walk_it_says_why(scene, accuracy, foot, said):
-    accuracy = fo.Accuracy.named(accuracy) if isinstance(accuracy, str) else accuracy
+    accuracy = resolve(accuracy)
     (why,) = physics(scene, accuracy, foot).values()
     assert said in why

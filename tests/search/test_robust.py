@@ -16,6 +16,7 @@ from footopt.design.robust import own_best, regret
 from footopt.design.scenarios import RISK_MEASURES, plausible_laws, risk, sands
 from footopt.design.store import context, differences, digest
 from footopt.errors import FootoptError, SettingError
+from footopt.walk.accuracy import PRESETS
 
 SANDS = sands(fo.Scene())
 NOTHING = fo.Spread(**dict.fromkeys(vars(fo.Spread()), 0.0))
@@ -152,7 +153,7 @@ class TestRobustProblem:
         np.testing.assert_array_equal(first.values, again.values)
         assert again.reused == len(again.k)
         finer = problem(measure="mean", references=p.references)
-        finer.accuracy = fo.Accuracy.named("standard")
+        finer.accuracy = PRESETS["standard"]
         confirmed = confirm(first, "standard", 3)
         np.testing.assert_array_equal(confirmed.values, finer.walk(first.k[confirmed.designs])[0])
         assert p.accuracy == COARSE

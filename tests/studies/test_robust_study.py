@@ -2,7 +2,6 @@
 
 import csv
 import json
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -16,6 +15,8 @@ from footopt.design.scenarios import sands
 from footopt.errors import FootoptError, SettingError
 from footopt.files.gaits import read_strides
 from footopt.studies.build import make_spread
+from footopt.walk.accuracy import PRESETS
+from footopt.walk.ladder import numerics
 
 SANDS = sands(fo.Scene())
 #: A study that takes a second.
@@ -38,7 +39,7 @@ class TestStudy:
         space = fo.Waypoints(n=5)
         for scenario, saved in zip(SANDS, result["scenarios"], strict=True):
             walked = fo.Accuracy(**saved["accuracy"])
-            assert walked == replace(fo.Accuracy.named("fine"), adapt=False)
+            assert walked == numerics(PRESETS["fine"], scenario.scene, space)
             table = fo.evaluate(list(result["feet"].values()), scenario.scene, walked, space=space)
             best = table.efficiency[:3].min()
             expected = 1 - table.efficiency / best

@@ -14,7 +14,8 @@ from footopt.studies import build
 from footopt.studies.stability import judge_case
 from footopt.studies.stability_cases import CASES
 from footopt.studies.validation.model import model_error
-from footopt.walk.adapt import adapted
+from footopt.walk.accuracy import PRESETS
+from footopt.walk.ladder import numerics
 
 K = (5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4)
 HARD = ("standing on zeta 5", "a foot set down at 3 m/s", "spiky soles", "creep 1e-9 on zeta 50",
@@ -74,8 +75,7 @@ def test_the_study_from_the_command_line(tmp_path):
     walked = {a["effect"]: fo.Accuracy(**a["accuracy"]) for a in result["audit"]}
     for name, accuracy in walked.items():
         scene = fo.Scene(effects=(EFFECTS[name](),))
-        assert accuracy == adapted(fo.Accuracy.named("draft"), scene, fo.Waypoints())
-    assert walked["leading_edge"].plates == fo.LeadingEdge().plates_factor * walked["slope"].plates
+        assert accuracy == numerics(PRESETS["draft"], scene, fo.Waypoints())
     check_page(tmp_path / "out")
     assert "leading edge changes" in done.stdout
 
@@ -112,7 +112,7 @@ def test_hard_cases_are_stable_with_effects(effects, case):
     """With the two that turn forces off and on, and with all but rest at once. Each is compiled twice."""
     (chosen,) = (c for c in CASES if c.name == case)
     scene = fo.Scene(effects=effects)
-    base = (fo.Foot.from_waypoints(K), scene, fo.Accuracy.named("standard"))
+    base = (fo.Foot.from_waypoints(K), scene, PRESETS["standard"])
     (verdict,) = judge_case(chosen, base, ["sdirk2_control"])
     assert verdict.stable, verdict.measures
 

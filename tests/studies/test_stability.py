@@ -15,6 +15,7 @@ from footopt.studies.settings import Config
 from footopt.studies.stability import judge_case
 from footopt.studies.stability_cases import CASES
 from footopt.studies.stability_judges import Measure, judge
+from footopt.walk.accuracy import PRESETS
 from footopt.walk.resolution import resolution
 
 BY_NAME = {case.name: case for case in CASES}
@@ -27,7 +28,7 @@ LONG = [n for n, case in BY_NAME.items() if "effects" in case.changes or n.start
 
 @pytest.fixture(scope="module")
 def base(flat_foot):
-    return flat_foot, fo.Scene(), fo.Accuracy.named("standard")
+    return flat_foot, fo.Scene(), PRESETS["standard"]
 
 
 class TestStudy:

@@ -51,17 +51,19 @@ def test_the_estimate_holds_the_error(name):
 
 
 def test_a_sand_that_gives_energy_is_warned_of_and_its_walks_have_no_estimate():
-    """Some feet walk backwards at `standard` and forwards at `fine`; of the generic map nothing is said."""
+    """Some feet walk backwards by coarse numbers and forwards by fine ones."""
+    rough = fo.Accuracy(dt=0.01, plates=56, control=2e-3)
+    good = fo.Accuracy(dt=0.01, plates=192, creep=2e-5, control=1e-4)
     giving = replace(fo.StressMap(), C01=-0.253)
     assert giving.dissipation() < -0.4
     scene, feet = fo.Scene(sand=fo.Sand(5.0, giving)), soles(11, 3)
-    coarse, fine = (fo.evaluate(feet, scene, name) for name in ("standard", "fine"))
+    coarse, fine = (fo.evaluate(feet, scene, one) for one in (rough, good))
     other = np.flatnonzero(coarse.reasons != fine.reasons)
     assert set(coarse.reasons[other]) == {"backward"}
     assert set(fine.reasons[other]) == {""}
     for i in other:
-        assert np.isnan(list(estimate_error(feet[i], scene).values())).all()
-    (warning,) = (one for one in diagnose(fo.simulate(feet[other[0]], scene)) if "gives" in one.name)
+        assert np.isnan(list(estimate_error(feet[i], scene, rough).values())).all()
+    (warning,) = (one for one in diagnose(fo.simulate(feet[other[0]], scene, rough)) if "gives" in one.name)
     assert warning.outside
     assert "sand.coefficients" in warning.why
     assert not [one for one in diagnose(fo.simulate(feet[0], walk_on(5.0))) if "gives" in one.name]

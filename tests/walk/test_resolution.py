@@ -24,7 +24,7 @@ def test_of_a_resolved_walk_nothing_is_said(sand, ramp_foot):
     ("setting", "value"), [("dt", 0.02), ("plates", 5), ("creep", 0.3)], ids=["time step", "plates", "creep"]
 )
 def test_a_warning_names_what_causes_the_error(setting, value, ramp_foot):
-    accuracy = replace(fo.Accuracy("sdirk2", 1e-3, 400, 1e-5, "fine"), **{setting: value})
+    accuracy = replace(fo.Accuracy("sdirk2", 1e-3, 400, 1e-5, tolerance=0.0005), **{setting: value})
     (found,) = judged(ramp_foot, fo.Scene(), accuracy)
     assert found.outside
     assert found.limit == pytest.approx(100.0 * BEYOND * 0.0005)  # of `fine`, %

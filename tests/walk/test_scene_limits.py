@@ -7,7 +7,11 @@ import pytest
 
 import footopt as fo
 from footopt.errors import SettingError
+from footopt.walk.accuracy import PRESETS
 from footopt.walk.discretize import long_pose_tables, pose_rows, pose_tables, poses
+from footopt.walk.ladder import numerics
+
+ORDINARY = fo.Accuracy(dt=0.01, control=2e-3)
 
 
 class TestSettings:
@@ -32,7 +36,7 @@ class TestSettings:
         assert error.value.setting == f"accuracy.{setting}"
 
     def test_a_walk_too_long_to_be_refined_has_no_error_estimate(self, ramp_foot, monkeypatch):
-        rows = pose_rows(fo.Scene(), fo.Accuracy.named("draft"))
+        rows = pose_rows(fo.Scene(), numerics(PRESETS["draft"], fo.Scene(), ramp_foot))
         monkeypatch.setattr(sys.modules["footopt.walk.discretize"], "ROWS", 1.5 * rows)
         assert fo.simulate(ramp_foot, accuracy="draft").feasible
         assert all(map(math.isnan, fo.estimate_error(ramp_foot, accuracy="draft").values()))
@@ -67,12 +71,12 @@ def test_poses_of_long_motions_do_not_pile_up(monkeypatch):
     monkeypatch.setattr(
         sys.modules["footopt.walk.discretize"],
         "LONG",
-        pose_rows(fo.Scene(t_f=1.5), fo.Accuracy.named("standard")),
+        pose_rows(fo.Scene(t_f=1.5), ORDINARY),
     )
     gaits = [fo.Gait.human(period=period) for period in (1.0, 1.1, 1.2, 1.3)]
     for duration, kept in ((1.0, pose_tables), (2.0, long_pose_tables)):
         kept.cache_clear()
         for gait in gaits:
-            poses(fo.Scene(gait=gait, t_f=duration), fo.Accuracy.named("standard"))
+            poses(fo.Scene(gait=gait, t_f=duration), ORDINARY)
         assert kept.cache_info().currsize == min(len(gaits), kept.cache_info().maxsize)
     assert long_pose_tables.cache_info().maxsize < len(gaits)

@@ -116,7 +116,8 @@ class TestTraces:
     @pytest.mark.parametrize("zeta", [0.2, 1.0])
     def test_half_a_second_of_standing_takes_few_evaluations(self, zeta, ramp_foot):
         """First steps are not tried at lengths that are then halved, nor friction extrapolated at rest."""
-        walk = fo.simulate(ramp_foot, fo.Scene(sand=fo.Sand(zeta), t_f=0.52))
+        accuracy = fo.Accuracy(dt=0.01, plates=56, control=2e-3)
+        walk = fo.simulate(ramp_foot, fo.Scene(sand=fo.Sand(zeta), t_f=0.52), accuracy)
         assert walk.evaluations < 90
 
     def test_velocity_is_the_rate_of_the_position(self, fine_walk):
@@ -137,7 +138,8 @@ class TestTraces:
 class TestValidity:
     def test_softer_sand_is_further_outside(self, ramp_foot):
         def found(name):
-            return {d.name: d for d in diagnose(fo.simulate(ramp_foot, fo.Scene(sand=fo.Sand.named(name))))}
+            walk = fo.simulate(ramp_foot, fo.Scene(sand=fo.Sand.named(name)), fo.Accuracy(control=2e-3))
+            return {d.name: d for d in diagnose(walk)}
 
         soft, regular, hard = map(found, ("soft", "regular", "hard"))
         for name in soft:

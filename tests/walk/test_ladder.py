@@ -1,0 +1,169 @@
+"""The numbers of a tolerance are found by a ladder that a few soles climb in their scene."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from random_scenes import draw, judge
+
+import footopt as fo
+from footopt.errors import SettingError
+from footopt.walk.accuracy import PRESETS, TOLERANCES
+from footopt.walk.ladder import SHARE, Rung, changed, climb, ladder, numbers_at, numerics
+
+PAPER = fo.Waypoints()
+TOP = Rung(12, 13, 11)
+LIGHT = fo.Scene(sand=fo.Sand(500.0), walker=fo.Walker(mass=2.0, l1=0.1, l2=0.1))
+
+
+def comb(teeth):
+    """A sole of straight sides: two for each tooth."""
+    x, z = np.linspace(-0.13, 0.13, 2 * teeth + 1), np.zeros(2 * teeth + 1)
+    z[1::2] = -0.02
+    return fo.Foot(np.stack([x, z], axis=1), name="comb")
+
+
+class Halving:
+    """Ten probes whose errors halve from rung to rung of each side, at a known cost, and what was walked."""
+
+    def __init__(self, errors, costs=(0.2, 0.4, 0.05)):
+        self.errors, self.costs, self.walked = np.array(errors), np.array(costs), []
+
+    def error(self, rung):
+        return float((self.errors / 2.0 ** np.array(rung)).sum())
+
+    def __call__(self, rung):
+        self.walked.append(rung)
+        return np.full((10, 5), 1.0 + self.error(rung)), float(np.prod((1 + self.costs) ** np.array(rung)))
+
+
+class TestTheClimb:
+    @given(
+        st.lists(st.floats(1e-4, 0.02), min_size=3, max_size=3),
+        st.sampled_from(sorted(TOLERANCES.values())),
+    )
+    def test_ends_within_the_tolerance_and_not_far_below(self, errors, tolerance):
+        walk = Halving(errors)
+        found = climb(walk, TOP, tolerance)
+        assert walk.error(found.rung) <= SHARE * tolerance * 1.001
+        if any(found.rung):
+            assert walk.error(found.rung) > SHARE * tolerance / 8
+
+    def test_refines_the_side_that_errs(self):
+        for side in range(3):
+            errors = np.full(3, 1e-6)
+            errors[side] = 0.02
+            found = climb(Halving(errors), TOP, 0.005).rung
+            assert found[side] == max(found) > 0
+            assert sum(found) == found[side]
+
+    def test_counts_what_it_took_and_walks_nothing_twice(self):
+        walk = Halving([0.01, 0.02, 0.01])
+        found = climb(walk, TOP, 0.005)
+        assert len(set(walk.walked)) == len(walk.walked)
+        assert found.price == pytest.approx(sum(10 * walk(rung)[1] for rung in set(walk.walked)))
+        assert found.work == pytest.approx(walk(found.rung)[1])
+
+    def test_gives_up_where_nothing_helps(self):
+        """A scene whose walks differ whatever the numbers: not at the price of the finest rung."""
+
+        class Noise(Halving):
+            def __call__(self, rung):
+                values, cost = super().__call__(rung)
+                return values + np.random.default_rng(list(rung)).normal(0.0, 0.1, values.shape), cost
+
+        walk = Noise([0.01, 0.01, 0.01])
+        assert climb(walk, TOP, 0.005).work < 30.0
+
+    def test_of_one_side_alone_where_others_are_held(self):
+        assert climb(Halving([0.1, 0.1, 0.0]), Rung(0, 13, 0), 0.005).rung[0] == 0
+
+    def test_one_probe_of_ten_may_fall(self):
+        values = np.ones((10, 5))
+        others = values.copy()
+        others[3] = np.nan
+        assert changed(values, others) == 0.0
+        others[4] = np.nan
+        assert changed(values, others) == math.inf
+        assert changed(others, others) == 0.0
+
+
+class TestNumbers:
+    def test_by_hand_are_taken_as_they_are(self, ramp_foot):
+        by_hand = fo.Accuracy(plates=24, dt=0.01)
+        assert numerics(by_hand, LIGHT, PAPER) is by_hand
+        held = numerics(fo.Tolerance(0.02, plates=40), fo.Scene(), PAPER)
+        assert held.plates == 40
+        assert held.tolerance == 0.02
+        walk = fo.simulate(ramp_foot, LIGHT)
+        assert numerics(walk.accuracy, fo.Scene(), PAPER) == walk.accuracy  # so that a walk can be repeated
+
+    @pytest.mark.parametrize("sand", ["soft", "regular", "hard"])
+    def test_are_finer_for_a_smaller_tolerance(self, sand):
+        scene = fo.Scene(sand=fo.Sand.named(sand))
+        work = [ladder(PRESETS[name], scene, PAPER)[1].work for name in ("draft", "standard", "fine")]
+        assert work == sorted(set(work))
+        fine, reference = (numerics(PRESETS[name], scene, PAPER) for name in ("fine", "reference"))
+        assert reference.plates == 4 * fine.plates
+        assert reference.dt == pytest.approx(fine.dt / 4)
+
+    def test_of_a_space_are_those_of_its_feet(self):
+        """A foot walks as its search did; heights, too, whichever they are."""
+        space, scene = fo.Waypoints(n=5, K=4), fo.Scene()
+        k = [[1, 2, 3, 4, 1], [4, 4, 4, 4, 4]]
+        foot = fo.Foot.from_waypoints(k[0], space)
+        soles = ((space,), (foot,), (k, space), (k[:1], space))
+        assert len({numerics(PRESETS["draft"], scene, *of) for of in soles}) == 1
+
+    def test_follow_the_scale_of_the_walker(self):
+        """A walker of a quarter of the size in half the time has steps half as long at half the speeds."""
+        rung, scenes = (
+            Rung(2, 3, 1),
+            (fo.Scene(), fo.Scene(gait=fo.Gait.human(period=0.6), walker=fo.Walker(1.0, 0.1, 0.13))),
+        )
+        large, small = (numbers_at(PRESETS["draft"], scene, rung) for scene in scenes)
+        assert small.dt == pytest.approx(large.dt / 2)
+        assert small.creep == pytest.approx(large.creep / 2)
+        assert small.control == pytest.approx(large.control / 2)
+
+    def test_of_harder_walks_cost_more(self):
+        plain = ladder(PRESETS["standard"], fo.Scene(), PAPER)[1].work
+        assert ladder(PRESETS["standard"], LIGHT, fo.Waypoints(L=0.03))[1].work > plain
+        assert ladder(PRESETS["standard"], fo.Scene(), fo.Waypoints(n=33))[1].work > plain
+
+    def test_of_feet_are_what_ten_of_them_need(self, regular):
+        feet, of = [comb(teeth) for teeth in (3, 20)], PRESETS["standard"]
+        assert numerics(of, regular, feet) == numerics(of, regular, feet * 2)
+        for foot, row in zip(feet, fo.evaluate(feet, regular).values, strict=True):
+            np.testing.assert_allclose(row, fo.evaluate(foot, regular).values[0], rtol=2 * of.error)
+
+    @pytest.mark.parametrize("stepper", ["heun", "implicit_euler"])
+    def test_are_found_for_any_stepper(self, stepper, regular):
+        of = replace(PRESETS["draft"], stepper=stepper)
+        k = PAPER.random(10, seed=3, inside=True)
+        truth = fo.evaluate(k, regular, fo.Accuracy("sdirk2", 1e-3, 400, 1e-5)).values
+        found = fo.evaluate(k, regular, of).values
+        assert np.median(np.abs(found / truth - 1.0).max(axis=1)) < of.error
+
+    def test_that_cannot_be_are_refused(self):
+        for error in (0.0, 1e-9, 1.0, math.nan):
+            with pytest.raises(SettingError, match=r"accuracy\.tolerance"):
+                fo.Tolerance(error)
+        with pytest.raises(SettingError, match=r"accuracy\.plates"):
+            fo.Tolerance(plates=1)
+        for plates in (24.0, True, "24"):
+            with pytest.raises(SettingError, match=r"accuracy\.plates = .*: must be a whole number"):
+                fo.Accuracy(plates=plates)
+        assert fo.Accuracy(plates=np.int64(24)) == fo.Accuracy(plates=24)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [5001, 5022, 5046, 5058, 5064, 5086])
+def test_random_scenes_are_within_the_tolerance(number):
+    drawn = draw(number)
+    for one in judge(drawn.feet[:2], drawn.scene, space=drawn.space):
+        assert one.reason == one.truth
+        assert one.error.max() <= PRESETS["standard"].error
