@@ -218,10 +218,13 @@ def climb(walk: Callable[[Rung], tuple[Array, float]], top: Rung, tolerance: flo
             break
         side = max(worth, key=lambda side: worth[side])
         rung = rung.up(side, 2 if errors[side] > FAR * allowed else 1, top)
-    good = max(allowed, NEARLY * min(one.error for one in passed))
-    within = [one for one in passed if one.error <= good < math.inf] or passed[-1:]
+    found = passed[-1]
+    if found.error > allowed:
+        good = NEARLY * min(one.error for one in passed)
+        near = (one for one in passed if one.error <= good < math.inf)
+        found = min(near, key=lambda one: one.work, default=found)
     price = sum(len(values) * cost for values, cost in walked.values())
-    return min(within, key=lambda one: one.work)._replace(price=price, path=tuple(one.rung for one in passed))
+    return found._replace(price=price, path=tuple(one.rung for one in passed))
 
 
 def changed(values: Array, others: Array) -> float:
