@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.errors import SettingError
-from footopt.foot import Foot, Plates, Waypoints
+from footopt.foot import Foot, Waypoints
 from footopt.walk import discretize
 from footopt.walk.accuracy import LEAST, LEAST_DT, Accuracy, AnyAccuracy, Tolerance, work
 from footopt.walk.batch import Options, chunks, walk_batch
@@ -83,7 +83,7 @@ def numerics(accuracy: AnyAccuracy, scene: Scene, feet: Any, space: Waypoints | 
         Numbers, which are taken as they are, or a tolerance.
     scene : Scene
         Where they walk.
-    feet : Waypoints, Foot, sequence of Foot, Plates, or (designs, n)
+    feet : Waypoints, Foot, sequence of Foot, or (designs, n)
         A space, whose probes are random soles; heights of one; or soles, of which up to ten are the probes.
         Feet that are all of one space have the space's.
     space : Waypoints, optional
@@ -104,7 +104,7 @@ def ladder(of: Tolerance, scene: Scene, feet: Any, space: Waypoints | None = Non
     soles = _soles(feet, space)
     try:
         found = _climbed(replace(of, name="", refinements=0), scene, soles)
-    except TypeError:  # plates, or an effect of a user's own that cannot be hashed
+    except TypeError:  # an effect of a user's own that cannot be hashed
         found = _climbed.__wrapped__(of, scene, soles)
     numbers = numbers_at(of, scene, found.rung)
     return replace(numbers.refined(of.refinements), **of.by_hand) if of.refinements else numbers, found
@@ -112,7 +112,7 @@ def ladder(of: Tolerance, scene: Scene, feet: Any, space: Waypoints | None = Non
 
 def _soles(feet: Any, space: Waypoints | None) -> Any:
     """What the probes of feet are taken from: a space, plates, or some feet."""
-    if isinstance(feet, (Waypoints, Plates)):
+    if isinstance(feet, Waypoints):
         return feet
     if isinstance(feet, Foot):
         feet = [feet]
@@ -133,7 +133,7 @@ def _spread(count: int) -> list[int]:
 
 @lru_cache(maxsize=256)
 def _climbed(of: Tolerance, scene: Scene, soles: Any) -> Found:
-    """The end of the ladder for a space, some feet or plates."""
+    """The end of the ladder for a space or some feet."""
     top = _top(of, scene)
     probes, space = soles, None
     if isinstance(soles, Waypoints):
@@ -142,8 +142,6 @@ def _climbed(of: Tolerance, scene: Scene, soles: Any) -> Found:
         values, _ = _walked(numbers_at(of, scene, Rung()), scene, drawn, space)
         fails = np.isnan(values).all(axis=1)
         probes = drawn[np.argsort(fails, kind="stable")[:PROBES]]
-    elif isinstance(soles, Plates):
-        probes = soles.take(np.array(_spread(len(soles.x))))
     return climb(lambda rung: _walked(numbers_at(of, scene, rung), scene, probes, space), top, of.error)
 
 

@@ -86,7 +86,7 @@ def drawn(rng):
 @browser_needed
 @pytest.mark.parametrize("sand", SANDS)
 def test_200_soles_walk_as_in_python_in_a_browser(sand, browser, tmp_path):
-    scene, accuracy, space = fo.Scene(fo.Sand.named(sand)), fo.Accuracy.named("standard"), fo.Waypoints()
+    scene, accuracy, space = fo.Scene(fo.Sand.named(sand)), resolve("standard"), fo.Waypoints()
     feet = space.random(200, seed=17)
     walked = in_browser(browser, tmp_path, scene, accuracy, space, feet)
     assert differences(walked, scene, accuracy, space, feet).max() < 1e-9

@@ -101,7 +101,7 @@ class TestStudy:
         assert [v["stable"] for v in result["verdicts"][:2]] == [True, False]
         assert result["stable"] == {"sdirk2": 3, "explicit_euler": 2}
         check_page(tmp_path / "out")
-        assert "NO chatter 1.7" in done.stdout
+        assert "NO chatter" in done.stdout
         assert " ok " in done.stdout
 
     def test_an_unknown_case_or_stepper_is_refused(self):
