@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from footopt.errors import check
-from footopt.foot.plates import RULES, Fill, Plates, along_arc, arc_and_turns
+from footopt.foot.plates import RULES, Fill, Plates, along_arc
 from footopt.foot.shapes import SHAPES
 from footopt.foot.waypoints import Waypoints, check_dimensions, check_length, heights_text
 
@@ -133,14 +132,14 @@ class Foot:
         options = {word: parameters.pop(word) for word in ("upright", "apex") if word in parameters}
         return cls(SHAPES[name](length, **options), name=name, **parameters)
 
-    @cached_property
-    def arc_and_turns(self) -> tuple[Array, Array]:
-        """Arc length (m) and turn (rad) of the contour at its points, each (m,)."""
-        return arc_and_turns(self.contour)
-
     def points(self, steps: int, parts: int = 1) -> Array:
-        """Points at equal steps along the sole's arc, (steps parts + 1, 2), m; a step ends at each corner."""
-        return np.asarray(points_of([self], steps, parts)[0])
+        """Points at equal steps along the sole's arc, (steps parts + 1, 2), m; a step ends at each corner.
+
+        Those of a sole through waypoints are on its spline.
+        """
+        if self.space is not None and self.k is not None:
+            return np.asarray(self.space.points(self.k, steps * parts)[0])
+        return along_arc(self.contour, steps, parts)
 
     def plates(
         self, plates: int, rule: str = "arc", directed: bool = False, fill: Fill | None = None
@@ -185,17 +184,6 @@ def lower_hull(contour: Array) -> tuple[Array, float, float, float]:
     return corners, float(x[i]), float(floor[i]), float(floor[i] + gap[i])
 
 
-def points_of(feet: Sequence[Foot], steps: int, parts: int = 1) -> Array:
-    """`Foot.points` of some feet, (feet, steps parts + 1, 2), m; those of one space at once."""
-    space, k = feet[0].space, [foot.k for foot in feet if foot.k is not None]
-    if space is not None and len(k) == len(feet) and all(foot.space == space for foot in feet):
-        return space.points(k, steps * parts)
-    if len(feet) > 1:
-        return np.concatenate([points_of([foot], steps, parts) for foot in feet])
-    points: Array = along_arc(feet[0].contour, *feet[0].arc_and_turns, steps, parts)
-    return points[None]
-
-
 def as_feet(feet: Any) -> Any:
     """Feet as they are, one foot as a list of one, and anything else as heights (designs, n)."""
     if isinstance(feet, Foot):
@@ -231,7 +219,7 @@ def as_plates(
     if isinstance(feet[0], Foot):
         same = len({foot.closed for foot in feet}) == 1
         check(same, "foot.closed", "both in one batch", "the same for all feet of a batch")
-        points = points_of(feet, plates, RULES[rule])
+        points = np.stack([foot.points(plates, RULES[rule]) for foot in feet])
     else:
         bodies = [space or Waypoints(n=feet.shape[1])]
         points = bodies[0].points(feet, plates * RULES[rule])

@@ -129,12 +129,13 @@ def turns_within(points: Array, parts: int) -> Array:
     return np.asarray(inside + 0.5 * (between[:, 1:] - between[:, :-1]))
 
 
-def along_arc(polyline: Array, arc: Array, turns: Array, plates: int, parts: int) -> Array:
+def along_arc(polyline: Array, plates: int, parts: int) -> Array:
     """Points along the arc of a polyline (m, 2), m: (plates parts + 1, 2), m, at equal steps between corners.
 
     At a corner (`corners` of its `turns`) one plate ends and the next begins: a plate around it would have
     the mean of two directions. Between two corners plates are equally long.
     """
+    arc, turns = arc_and_turns(polyline)
     ends = np.concatenate([[0.0], arc[corners(turns, (plates - 1) // 2)], arc[-1:]])
     share = np.diff(ends) / arc[-1] * (plates - len(ends) + 1)
     count = 1 + share.astype(np.int64)  # one each, and the others by length
