@@ -27,13 +27,14 @@ from footopt.files import identity
 from footopt.files import io as files
 from footopt.foot import Foot, Waypoints
 from footopt.report import figures, page, terminal
+from footopt.report.numbers import percent
 from footopt.report.progress import Step, progress
 from footopt.studies.build import make_accuracy, make_foot, make_scene, make_space
 from footopt.studies.runs import finished, result_of
 from footopt.studies.settings import REPORTS, Config
 from footopt.walk import MEASURES, Accuracy, Scene
 from footopt.walk.accuracy import AnyAccuracy, resolve
-from footopt.walk.ladder import numerics
+from footopt.walk.ladder import ladder, numerics
 from footopt.walk.objectives import lookup
 from footopt.walk.validity import Diagnostic
 
@@ -292,6 +293,17 @@ def validity_entry(diagnostics: Sequence[Diagnostic]) -> dict[str, Any]:
 def accuracy_entry(accuracy: AnyAccuracy, scene: Scene, sole: Foot | Waypoints) -> dict[str, Any]:
     """An accuracy in result.json as a sole, or all soles of a space, walk through a scene."""
     return dataclasses.asdict(numerics(accuracy, scene, sole))
+
+
+def describe_ladder(accuracy: AnyAccuracy, scene: Scene, sole: Foot | Waypoints) -> list[str]:
+    """A tolerance in words: its numbers, and what finding them cost; nothing of numbers by hand."""
+    if isinstance(accuracy, Accuracy):
+        return []
+    numbers, found = ladder(accuracy, scene, sole)
+    return [
+        f"Errors within {percent(accuracy.error)} take {numbers.plates} plates and steps of "
+        f"{1e3 * numbers.dt:.3g} ms at most, found in the time of {found.price / found.work:.0f} walks"
+    ]
 
 
 def scene_entry(scene: Scene, accuracy: Accuracy, names: Sequence[str]) -> dict[str, Any]:

@@ -39,6 +39,7 @@ from footopt.studies.base import (
     Study,
     SweeperValue,
     accuracy_entry,
+    describe_ladder,
     foot_entry,
     scene_entry,
     sweeper_value,
@@ -185,6 +186,7 @@ def _search(
             f"Searching {space.K}^{space.n} soles for {', '.join(problem.names)} on "
             f"{terminal.describe_scene(problem.scene)} with {solver.name}"
         )
+        study.say(*describe_ladder(problem.accuracy, problem.scene, problem.space))
         if known := store.describe():
             study.say(known)
         with study.progress(solver.generations(space), _unit(solver)) as step:

@@ -140,7 +140,7 @@ def run(study: Study) -> None:
             },
             "held_out_regret": None if fresh is None else fresh.tolist(),
             **scene_entry(scene, numerics(finer, scene, judge.space), judge.record),
-            "search_accuracy": asdict(problem.accuracy),
+            "search_accuracy": accuracy_entry(problem.accuracy, scene, judge.space),
             "solver": asdict(solver),
             "seed": solver.seed,
             "evaluations": result.evaluations,

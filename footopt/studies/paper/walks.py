@@ -31,8 +31,8 @@ LIFTED = 0.05  # of the weight: a foot that carries less does not stand
 #: sand in fewer, that of the best of five seeds of a GA of 100 x 100.
 EVALUATIONS = 3000
 
-#: dV_x by name: how long about each heel strike a fall counts, in strides; None is the whole walk.
-SPEED_LOSS = {"walk": None, "window": 1.0 / 4.0, "narrow": 1.0 / 8.0}
+#: About each heel strike, from and to when a fall counts, in strides, by how dV_x is read ("walk": always).
+SPEED_LOSS = {"walk": (1 / 4, 1 / 2), "window": (1 / 4, 1 / 4), "narrow": (1 / 8, 1 / 8)}
 
 #: Settings that the paper leaves open, and their values as on the command line; the first is the default.
 CHOICES = {
@@ -113,9 +113,8 @@ def read(walk: Walk, study: Settings) -> Walk:
     totals = dict(walk.totals)
     if walk.feasible and study.peak_power == "single":
         totals["peak_power"] = single_stance_power(walk)
-    window = SPEED_LOSS[study.speed_loss]
-    if walk.feasible and window is not None:
-        totals["speed_loss"] = max(_falls(walk, window, window), default=nan)
+    if walk.feasible and study.speed_loss != "walk":
+        totals["speed_loss"] = max(_falls(walk, study.speed_loss), default=nan)
     return replace(walk, totals=totals)
 
 
@@ -127,19 +126,13 @@ def single_stance_power(walk: Walk) -> float:
 
 
 def switch_losses(walk: Walk, speed_loss: str) -> NDArray[np.float64]:
-    """The fall of V_x about each of the paper's three switches, (3,), m/s; NaN where there is none.
-
-    The fall is that within the window of `SPEED_LOSS`; for "walk", from a quarter of a stride before the heel
-    strike to the next one.
-    """
-    window = SPEED_LOSS[speed_loss]
-    losses = _falls(walk, 0.25, 0.5) if window is None else _falls(walk, window, window)
-    return np.array([*losses, *[nan] * SWITCHES])[:SWITCHES]
+    """The fall of V_x about each of the paper's three switches, (3,), m/s; NaN where there is none."""
+    return np.array([*_falls(walk, speed_loss), *[nan] * SWITCHES])[:SWITCHES]
 
 
-def _falls(walk: Walk, before: float, behind: float) -> list[float]:
-    """The fall of V_x from and to so many strides about each heel strike, m/s."""
-    gait, losses = walk.scene.gait, []
+def _falls(walk: Walk, speed_loss: str) -> list[float]:
+    """The fall of V_x within the window of `SPEED_LOSS` about each heel strike, m/s."""
+    gait, losses, (before, behind) = walk.scene.gait, [], SPEED_LOSS[speed_loss]
     for strike in gait.heel_strikes(walk.scene.duration) if walk.feasible else ():
         since, until = strike - before * gait.period, strike + behind * gait.period
         speed = walk.velocity[(walk.t >= since) & (walk.t <= until), 0]
