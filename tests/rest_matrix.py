@@ -17,6 +17,7 @@ import numpy as np
 import footopt as fo
 from footopt.walk.accuracy import resolve
 from footopt.walk.batch import REASONS, Options, walk_batch
+from footopt.walk.ladder import numerics as numbers_of
 from footopt.walk.metrics import Sample
 
 FOOT = fo.Foot.from_waypoints([1, 2, 3, 4, 5, 6, 7, 8, 8, 8, 8])
@@ -42,7 +43,7 @@ def stand(zeta, slope, numerics, t_f=60.0, foot=FOOT, gait=STILL):
     accuracy, delta = NUMERICS[numerics]
     effects = (fo.Rest(delta), *((fo.Slope(slope),) if slope else ()))
     scene = fo.Scene(sand=fo.Sand(zeta), gait=gait, t_f=t_f, effects=effects)
-    accuracy = numerics(resolve(accuracy), scene, foot)
+    accuracy = numbers_of(resolve(accuracy), scene, foot)
     # `fo.simulate` would keep what each plate remembers at every step: at `reference` up to 40 GB
     asked = Options(sink=False, threads=1, traced=True, remembers=False)
     walked = walk_batch(foot.plates(accuracy.plates, accuracy.rule), scene, accuracy, asked)
