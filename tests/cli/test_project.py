@@ -44,9 +44,7 @@ class TestSearchPath:
 
 @pytest.mark.slow
 def test_the_example_goes_from_a_gait_to_a_body_and_a_film(robot):
-    small = (
-        "accuracy=standard solver.pop_size=12 solver.n_gen=8 study.confirm=null engine.threads=1 report=none"
-    )
+    small = "accuracy=draft solver.pop_size=12 solver.n_gen=8 study.confirm=null engine.threads=1 report=none"
     words = [
         f"RUN={sys.executable} -m footopt",
         f"BUDGET={small}",
