@@ -32,7 +32,7 @@ class SettingError(FootoptError, ValueError):
     allowed : str
         What is allowed, in words.
     hint : str, optional
-        What to try.
+        A way out of it.
     """
 
     def __init__(self, setting: str, value: object, allowed: str, hint: str = "") -> None:

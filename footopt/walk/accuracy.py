@@ -145,7 +145,7 @@ class Tolerance:
         return {name: value for name in names if (value := getattr(self, name)) is not None}
 
 
-#: What walks are evaluated at.
+#: Either way to say how finely a scene is simulated.
 AnyAccuracy: TypeAlias = Accuracy | Tolerance
 
 #: Plates that take as long as what else is in an evaluation of the contact.

@@ -70,7 +70,7 @@ class Found(NamedTuple):
     rung: Rung
     error: float  # of the probes' objectives, relative; infinite where one ends otherwise when refined
     work: float  # of one of their walks, in evaluations of a plate
-    price: float = math.nan  # of all walks on the ladder
+    price: float = math.nan  # of all walks that found it
     path: tuple[Rung, ...] = ()  # from the coarsest numbers on
 
 
@@ -111,7 +111,7 @@ def ladder(of: Tolerance, scene: Scene, feet: Any, space: Waypoints | None = Non
 
 
 def _soles(feet: Any, space: Waypoints | None) -> Any:
-    """What the probes of feet are taken from: a space, plates, or some feet."""
+    """The space that the probes of feet are drawn from, or the feet that are the probes."""
     if isinstance(feet, Waypoints):
         return feet
     if isinstance(feet, Foot):
@@ -135,14 +135,15 @@ def _spread(count: int) -> list[int]:
 def _climbed(of: Tolerance, scene: Scene, soles: Any) -> Found:
     """The end of the ladder for a space or some feet."""
     top = _top(of, scene)
-    probes, space = soles, None
+    probes, space, drawing = soles, None, 0.0
     if isinstance(soles, Waypoints):
         space = soles
         drawn = np.random.default_rng(0).integers(1, soles.K + 1, (DRAWN, soles.n))
-        values, _ = _walked(numbers_at(of, scene, Rung()), scene, drawn, space)
+        values, cost = _walked(numbers_at(of, scene, Rung()), scene, drawn, space)
         fails = np.isnan(values).all(axis=1)
-        probes = drawn[np.argsort(fails, kind="stable")[:PROBES]]
-    return climb(lambda rung: _walked(numbers_at(of, scene, rung), scene, probes, space), top, of.error)
+        probes, drawing = drawn[np.argsort(fails, kind="stable")[:PROBES]], DRAWN * cost
+    found = climb(lambda rung: _walked(numbers_at(of, scene, rung), scene, probes, space), top, of.error)
+    return found._replace(price=found.price + drawing)
 
 
 def _top(of: Tolerance, scene: Scene) -> Rung:

@@ -122,7 +122,7 @@ def diagnose(walk: Walk) -> list[Diagnostic]:
 
 
 def _rare(walk: Walk) -> list[Diagnostic]:
-    """What is told of walks that leave the tested range only."""
+    """Diagnostics of walks that leave the tested range."""
     sinks = 0.0 if bristle_length(walk.scene.effects) else creep_while_standing(walk)
     gives = -walk.scene.sand.stress_map.dissipation()
     pushes = (

@@ -61,7 +61,7 @@ OBJECTIVES = (
 ROUNDING, LAST_DIGIT = 1e-5, 1e-3
 
 
-#: What the presets were when the file was begun: walks are compared, not what a ladder finds.
+#: The presets' numbers when the file was begun: walks are compared, whatever a ladder finds.
 NUMBERS = {
     "draft": fo.Accuracy("sdirk2", 0.0125, 32, 1e-4, control=3e-3),
     "standard": fo.Accuracy("sdirk2", 0.01, 56, 1e-4, control=2e-3),
