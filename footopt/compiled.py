@@ -96,7 +96,7 @@ def cache_folder() -> str | None:
     return str(place)
 
 
-class _Cache(FunctionCache):  # type: ignore[misc]  # numba has no types
+class _Cache(FunctionCache):
     """numba's cache of a function, in `cache_folder`; of many processes one at a time saves.
 
     numba numbers the files of a function's signatures, and two processes could take the same number.

@@ -204,10 +204,10 @@ def scale_of(values):
 
 def truth_of(feet, scene, space=None):
     """Objectives and reasons by much finer plates, creep speed and steps."""
-    own = numerics(PRESETS["fine"], scene, feet, space)
+    own = numerics(PRESETS["standard"], scene, feet, space)
     period, speed = scene.gait.period / 1.2, (scene.walker.l1 + scene.walker.l2) / scene.gait.period
-    plates = min(max(1024, 3 * own.plates), 6400)
-    creep = min(2.6e-6 * speed, 0.2 * own.creep)
+    plates = min(max(1024, 8 * own.plates), 6400)
+    creep = min(2.6e-6 * speed, own.creep / 8)
     finest = fo.Accuracy("sdirk2", 4e-4 * period, plates, creep, "truth", control=1.3e-7 * speed)
     table = fo.evaluate(feet, scene, finest, space=space)
     return table.values, table.reasons
