@@ -1,26 +1,47 @@
-"""study=calibrate: zeta of a sand from tests with plates, with its uncertainty, as a sand for other runs."""
+"""study=calibrate: zeta of one's own sand from tests with plates or penetrometers, as a sand for other runs.
+
+A plate of area A at depth z feels F = zeta P z against its motion, with P = A (alpha_x cos g + alpha_z sin g)
+of the stress map. The sand is prepared once for each repeat, whose forces share that error: each repeat is
+fitted alone by least squares, and the mean over the repeats has Student's interval. A single repeat has only
+the interval of its own least squares. Shallow tests and each set-up are fitted in the same way: where the law
+holds, they have the zeta of all.
+"""
 
 from __future__ import annotations
 
 import re
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
 from omegaconf import OmegaConf
 from rich.table import Table
 from rich.text import Text
 
-from footopt.errors import SettingError
-from footopt.files.io import write_text
+from footopt.errors import SettingError, Unusable, naming
+from footopt.files.io import read_columns, write_text
 from footopt.report import terminal
 from footopt.report.figures.studies import calibration as draw
 from footopt.report.numbers import number
-from footopt.sand import GENERIC, MEDIA, Sand
+from footopt.sand import GENERIC, MEDIA, Sand, StressMap, alpha
 from footopt.studies.base import Study
 from footopt.studies.build import make_sand
-from footopt.studies.calibration import SETTING, Calibration, calibrate
 from footopt.studies.settings import StudySettings, setting
+
+Array = NDArray[np.float64]
+
+SETTING = "study.tests"
+COLUMNS = {"depth_mm": "", "force_N": "", "area_cm2": ""}
+OPTIONAL = {"angle_deg": 0.0, "direction_deg": 90.0}  # a level plate that is pushed down
+LABEL = "repeat"
+
+COVERAGE = 0.95  # of the intervals
+DEPTHS = 3  # different ones that each repeat must have at least
+ZETAS = (0.005, 200.0)  # of any sand; the softest and hardest of the literature are .2 and 3
+SHALLOW = 1 / 3  # of the largest depth
+CHANGE = 0.1  # of zeta in a part of the tests: less does not matter
 
 
 @dataclass
@@ -32,6 +53,47 @@ class Settings(StudySettings):
         None, "CSV of tests: depth_mm, force_N, area_cm2; if known, angle_deg, direction_deg, repeat."
     )
     reads = ("sand.name", "sand.coefficients", "sand.table")
+
+
+class Estimate(NamedTuple):
+    """A value with its interval of `COVERAGE`."""
+
+    value: float
+    low: float
+    high: float
+
+    def excludes(self, value: float) -> bool:
+        """Whether a value is outside the interval."""
+        return not self.low <= value <= self.high
+
+
+class Calibration(NamedTuple):
+    """The estimates that tests give of a sand, with their intervals."""
+
+    zeta: Estimate
+    spread: float | None  # sd of log zeta where the sand is prepared anew; None with one repeat
+    repeats: dict[str, float]  # zeta of each alone
+    parts: dict[str, Estimate]  # zeta of each part of the tests over that of all
+    depth: Array  # (rows,), m
+    local: Array  # (rows,), force over P z
+    set_up: NDArray[np.str_]  # (rows,), the plate and its direction
+
+    @property
+    def warnings(self) -> list[str]:
+        """Reasons to doubt the estimates."""
+        reasons = [
+            f"zeta of the tests {name} is {part.value:.2f} times ({part.low:.2f} to {part.high:.2f}) that of "
+            "all: the law does not hold there. Test as deep as your feet sink, and with plates of their size "
+            "and angles; or measure a table of stresses (sand.table)."
+            for name, part in self.parts.items()
+            if part.excludes(1.0) and abs(part.value - 1.0) > CHANGE
+        ]
+        if len(self.repeats) == 1:
+            reasons.append(
+                "There is one repeat: its interval says nothing of how the sand differs from place to place. "
+                "Prepare the sand anew, test again, and number the tests in a column repeat."
+            )
+        return reasons
 
 
 def run(study: Study) -> None:
@@ -57,15 +119,13 @@ def run(study: Study) -> None:
         {
             "sand": name,
             "zeta": found.zeta._asdict(),
-            "exponent": found.exponent._asdict(),
             "spread": found.spread,
             "repeats": found.repeats,
-            "set_ups": [{"name": name, **zeta._asdict()} for name, zeta in found.set_ups.items()],
+            "parts": {part: ratio._asdict() for part, ratio in found.parts.items()},
             "warnings": found.warnings,
         },
         summary=[
-            f"{len(found.depth)} measurements {depths} mm deep, in {len(found.repeats)} repeats and "
-            f"{len(found.set_ups)} set-ups.",
+            f"{len(found.depth)} measurements {depths} mm deep, in {len(found.repeats)} repeats.",
             f"Design for it: {use}{'' if found.spread is None else drawn}",
             *(Text(w, style="yellow") for w in found.warnings),
         ],
@@ -77,21 +137,118 @@ def table(found: Calibration) -> Table:
     shown = terminal.table(("quantity", "value", "from", "to"), words=("quantity",))
     repeats = "over the repeats" if len(found.repeats) > 1 else "of one repeat"
     shown.title = f"95 % intervals {repeats}"
-    parts = [("zeta", found.zeta), ("exponent of depth", found.exponent)]
-    if len(found.set_ups) > 1:
-        parts += [(f"zeta, {name}", zeta) for name, zeta in found.set_ups.items()]
-    for name, estimate in parts:
-        shown.add_row(name, *map(number, estimate))
+    shown.add_row("zeta", *map(number, found.zeta))
+    for name, ratio in found.parts.items():
+        shown.add_row(f"zeta {name}, over that of all", *map(number, ratio))
     return shown
 
 
 def sand_file(name: str, source: str, found: Calibration, sand: Sand) -> str:
     """The YAML of the sand: zeta, its spread, and coefficients that are not generic."""
-    zeta, exponent = (f"{e.low:.4g} to {e.high:.4g}" for e in (found.zeta, found.exponent))
     settings: dict[str, Any] = {"name": name, "zeta": float(f"{found.zeta.value:.4g}")}
     if sand.stress_map != GENERIC:
         settings["coefficients"] = asdict(sand.stress_map)
     if found.spread is not None:
         settings["spread"] = float(f"{min(found.spread, 1.0):.4g}")  # of the logarithm of zeta
-    head = f"# From {source}: zeta {zeta}, exponent of depth {exponent} (95 %).\n"
+    head = f"# From {source}: zeta {found.zeta.low:.4g} to {found.zeta.high:.4g} (95 %).\n"
     return head + OmegaConf.to_yaml(settings)
+
+
+def calibrate(path: str | Path, stress_map: StressMap = GENERIC) -> Calibration:
+    """Fit zeta to tests with plates.
+
+    Parameters
+    ----------
+    path : str or Path
+        CSV file with a header and the columns ``depth_mm`` (of the plate's middle below the surface; rows
+        above it are left out), ``force_N`` (against the motion), ``area_cm2`` and, optionally, ``angle_deg``
+        (of the plate, 0 is level), ``direction_deg`` (of the motion, 90 is down) and ``repeat`` (the
+        preparation of the sand, any word); others are ignored.
+    stress_map : StressMap
+        The map that zeta scales.
+
+    Raises
+    ------
+    FileError
+        The file cannot be read, lacks a column, holds something that is not a number, has too few depths, or
+        no sand can have such forces.
+    """
+    table, words = read_columns(path, SETTING, COLUMNS, OPTIONAL, LABEL)
+    with naming(path, SETTING):
+        inside = table["depth_mm"] > 0
+        if not inside.any():
+            raise Unusable("has no row with depth_mm > 0: depth is below the surface, in mm.")
+        labels = np.array(words)[inside]
+        depth, force, area, angle, direction = (
+            table[name][inside] for name in ("depth_mm", "force_N", "area_cm2", "angle_deg", "direction_deg")
+        )
+        if not (area > 0).all():
+            raise Unusable("area_cm2 must be > 0, the area of the plate's face.")
+        if max(abs(angle).max(), abs(direction).max()) > 180:
+            raise Unusable("angle_deg and direction_deg must be from -180 to 180.")
+        set_up = np.array([f"{a:.3g} cm² at {b:g}° moved at {g:g}°"
+                           for a, b, g in zip(area, angle, direction, strict=True)])  # fmt: skip
+        shallow = SHALLOW * depth.max()
+        parts = {f"above {shallow:.3g} mm": depth <= shallow}
+        names = dict.fromkeys(set_up.tolist())
+        parts |= {f"with {name}": set_up == name for name in names if len(names) > 1}
+
+        depth, area, gamma = 1e-3 * depth, 1e-4 * area, np.radians(direction)
+        x, z = alpha(np.radians(angle), gamma, stress_map)
+        unit = (x * np.cos(gamma) + z * np.sin(gamma)) * area * depth  # the force where zeta is 1, N
+        if not (unit > 0).all():
+            raise Unusable("the stress map has a plate of these angles pushed along; zeta cannot be found.")
+        repeats = {name: labels == name for name in dict.fromkeys(labels.tolist())}
+        for name, own in repeats.items():
+            if len(np.unique(depth[own])) < DEPTHS:
+                raise Unusable(f"{f'repeat {name!r} ' * bool(name)}has fewer than {DEPTHS} different depths.")
+        zetas, errors = np.array([_fit(unit[own], force[own]) for own in repeats.values()]).T
+        if zetas.min() < ZETAS[0] or zetas.max() > ZETAS[1]:
+            raise Unusable(
+                f"zeta would be {zetas.min():.3g} to {zetas.max():.3g}; that of sands is {ZETAS[0]:g} to "
+                f"{ZETAS[1]:g}. Check the units (mm, N, cm2) and the sign: force_N is > 0 against the motion."
+            )
+
+    ratios = {}
+    for name, part in parts.items():
+        own = [part & repeat for repeat in repeats.values()]
+        found = [
+            np.divide(_fit(unit[o], force[o]), zeta)
+            for o, zeta in zip(own, zetas, strict=True)
+            if o.sum() > 1
+        ]
+        if found:
+            ratio, error = np.transpose(found)
+            ratios[name] = _mean(ratio, error[0], int(part.sum()) - 1)
+    log = _mean(np.log(zetas), errors[0] / zetas[0], len(force) - 1)
+    return Calibration(
+        zeta=Estimate(*np.exp(log).tolist()),
+        # of the next repeat about the mean that is known
+        spread=float(np.log(zetas).std(ddof=1) * np.sqrt(1 + 1 / len(zetas))) if len(zetas) > 1 else None,
+        repeats=dict(zip(repeats, zetas.tolist(), strict=True)),
+        parts=ratios,
+        depth=depth,
+        local=force / unit,
+        set_up=set_up,
+    )
+
+
+def _fit(unit: Array, force: Array) -> tuple[float, float]:
+    """zeta by least squares and its standard error; unit: the force where zeta is 1, N.
+
+    Whether forces scatter by as much everywhere or in proportion to their size: HC3, MacKinnon & White 1985.
+    """
+    weight = unit / (unit @ unit)
+    zeta = float(weight @ force)
+    residual = (force - zeta * unit) / (1.0 - weight * unit)
+    return zeta, float(np.sqrt(np.sum((weight * residual) ** 2)))
+
+
+def _mean(values: Array, error: float, freedom: int) -> Estimate:
+    """The mean of repeats with Student's interval; of a single one its value with its own standard error."""
+    from scipy.special import stdtrit
+
+    if (count := len(values)) > 1:
+        error, freedom = float(values.std(ddof=1) / np.sqrt(count)), count - 1
+    mean, half = float(values.mean()), float(stdtrit(freedom, 0.5 + 0.5 * COVERAGE)) * error
+    return Estimate(mean, mean - half, mean + half)

@@ -37,26 +37,18 @@ def work_precision(settings: Sequence[Any], presets: Sequence[Any]) -> Figure:
 
 @style.styled()
 def calibration(found: Any) -> Figure:
-    """Force over the map's force at zeta 1 of measurements (`footopt.studies.calibration.Calibration`)."""
+    """Force over the map's force at zeta 1 of measurements (`footopt.studies.calibrate.Calibration`)."""
     figure = style.new_figure(style.COLUMN, 2.5)
     axes = figure.subplots()
     axes.axhspan(found.zeta.low, found.zeta.high, color=style.PALE, lw=0, label="95 % interval of $\\zeta$")
-    axes.axhline(found.zeta.value, color="black", lw=0.8, label="linear in depth, as footopt has it")
-    for i, name in enumerate(found.set_ups):
+    axes.axhline(found.zeta.value, color="black", lw=0.8, label="$\\zeta$")
+    for i, name in enumerate(dict.fromkeys(found.set_up.tolist())):
         own = found.set_up == name
-        looks = style.marker(i) | {
-            "ms": 3,
-            "alpha": 0.7,
-            "label": name if len(found.set_ups) > 1 else "measured",
-        }
+        looks = style.marker(i) | {"ms": 3, "alpha": 0.7, "label": name}
         axes.plot(1e3 * found.depth[own], found.local[own], **looks)
-    depth = np.geomspace(found.depth.min(), found.depth.max(), 200)
-    power = f"depth to the power {found.exponent.value:.2f}"
-    axes.plot(1e3 * depth, found.zeta_at(depth), color="black", ls="--", label=power)
     axes.set(xlabel="depth (mm)", ylabel=r"local $\zeta$: force over the map's")
     axes.set_xlim(0.0, None)
-    top = HIGHEST * max(found.zeta.value, float(found.zeta_at(depth).max()) / 1.5)
-    axes.set_ylim(0.0, min(top, 1.1 * float(np.max(found.local))))
+    axes.set_ylim(0.0, min(HIGHEST * found.zeta.value, 1.1 * float(np.max(found.local))))
     axes.grid()
     style.legend_above(figure)
     return figure
