@@ -17,8 +17,8 @@ from footopt.design.result import check_finalists
 from footopt.design.scenarios import check_measure
 from footopt.effects import EFFECTS
 from footopt.errors import SettingError
-from footopt.studies import ALWAYS, build, covers, studies_that_read
-from footopt.studies.meanings import Setting, settings, shown
+from footopt.studies import build
+from footopt.studies.meanings import ALWAYS, Setting, covers, settings, shown, studies_that_read
 from footopt.studies.settings import AllEffects, everything, leaves, study_kinds
 from footopt.walk import MEASURES, Walker
 
@@ -70,7 +70,7 @@ def allowed(setting: Setting) -> str:
             continue
         config = everything()
         for kind in study_kinds():
-            if setting.name in dict(leaves(kind(), "study.")):
+            if setting.name in {each.name for each in leaves(kind(), "study.")}:
                 config = replace(config, study=kind())
                 break
         try:

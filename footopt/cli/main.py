@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import itertools
 import logging
+import math
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -26,13 +27,12 @@ from footopt.cli.messages import explain
 from footopt.cli.run import execute, remove_empty_run, resume
 from footopt.errors import ERROR_FILE, FootoptError
 from footopt.files import identity
-from footopt.files.identity import Occupied
+from footopt.files.identity import Occupied, result_of
 from footopt.files.io import write_text
 from footopt.report import summary
 from footopt.studies import meanings
-from footopt.studies.base import sweeper_value
 from footopt.studies.build import absolute
-from footopt.studies.runs import result_of
+from footopt.walk.objectives import lookup
 
 STOPPED = 130  # exit code after Ctrl-C, as of any program that a shell stops
 
@@ -87,12 +87,16 @@ def _job(settings: DictConfig) -> Any:
         log.error("job %s failed: %s", here.job.num, message)  # the other jobs go on
         if not isinstance(error, Occupied):  # the folder is another's then
             write_text(folder / ERROR_FILE, f"{message}\n")
-        with suppress(FootoptError):  # an objective that is not known
-            return sweeper_value(settings.objective.names, {})
-        return None
+        found = dict[str, float]()
     if alone and (result := result_of(folder)) and not result.get("feasible", True):
         sys.exit(f"footopt: error: the walk failed: {result['reason']}. {folder} has all about it.")
-    return found
+    if not isinstance(found, Mapping):
+        return found
+    with suppress(FootoptError):  # an objective that is not known
+        # natural signs; without a value, because a walk or the job failed, the worst: a sweeper then goes on
+        given = [(found.get(o.name, math.nan), o.worst) for o in lookup(settings.objective.names)]
+        values = tuple(value if math.isfinite(value) else worst for value, worst in given)
+        return values[0] if len(values) == 1 else values
 
 
 class Multirun(Callback):

@@ -17,17 +17,17 @@ from hydra.core.override_parser.overrides_parser import OverridesParser
 from omegaconf import OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
-from footopt import studies
 from footopt.cli.compose import CONF, hydra_overrides, resolved
 from footopt.cli.messages import explain, translate
 from footopt.errors import ERROR_FILE, EngineError, FootoptError, check
 from footopt.files import identity
-from footopt.files.identity import Occupied
+from footopt.files.identity import Occupied, finished, result_of
 from footopt.files.io import write_text
 from footopt.report import summary
+from footopt.studies import searches
 from footopt.studies.build import absolute
-from footopt.studies.runs import BUDGETS, Run, check_may_change, check_resumable, finished, load, result_of
-from footopt.studies.settings import EngineConfig, searches, structured
+from footopt.studies.runs import BUDGETS, Run, check_may_change, check_resumable, load, run_study
+from footopt.studies.settings import EngineConfig, structured
 
 TRUST, FORCE = "--trust", "--force"
 #: Settings by which a folder could have code run that nobody asked for, and files that a run writes.
@@ -42,7 +42,7 @@ def execute(settings: Mapping[str, Any], folder: Path, given: Sequence[str], res
     hint = f"; go on with: footopt resume={shlex.quote(str(folder))}"
     try:
         config: Any = OmegaConf.to_object(structured(settings))  # refuses what + has added
-        return studies.run_study(config, folder, absolute(settings), given, resumed)
+        return run_study(config, folder, absolute(settings), given, resumed)
     except EngineError as error:
         raise FootoptError(f"{error} All finished generations are in the store{hint}") from None
     except KeyboardInterrupt as stop:

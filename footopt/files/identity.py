@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import yaml
 
 from footopt.errors import ERROR_FILE, FileError
-from footopt.files.io import read_text, write_text
+from footopt.files.io import read_json_file, read_text, write_text
 
 FILE, LOCK = "footopt.yaml", "footopt.lock"
 HEAD = """\
@@ -91,6 +91,20 @@ def read(folder: Path, setting: str = "resume") -> Identity:
         if "${" not in text:  # settings are resolved
             return Identity(content["settings"], tuple(content["overrides"]), content["footopt"])
     raise FileError(f"{named}: {FILE} is damaged. Start a new run.")
+
+
+def result_of(folder: Path) -> Mapping[str, Any] | None:
+    """The result.json of the run in a folder; None if there is none."""
+    path = folder / "result.json"
+    found = read_json_file(path, "resume") if path.exists() else None
+    if found is not None and not (isinstance(found, dict) and "settings" in found):
+        raise FileError(f"{path}: is not the result of a run. Move it away.")
+    return found
+
+
+def finished(result: Mapping[str, Any] | None) -> bool:
+    """Whether a run with such a result has one, and was not stopped before its last generation."""
+    return result is not None and not result.get("interrupted", False)
 
 
 def runs(pattern: str | Path) -> list[Path]:

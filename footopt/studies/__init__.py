@@ -1,234 +1,186 @@
-"""Studies, a module for each question; `check_read`, which settings count; `run_study`, which asks one."""
+"""The studies, a question each: their own settings, and which others each reads."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import fields, replace
+from dataclasses import dataclass, field, fields
 from importlib import import_module
-from pathlib import Path
-from typing import Any
+from typing import Any, get_type_hints
 
-from footopt.design import EXHAUSTIVE
-from footopt.errors import ERROR_FILE, FootoptError, SettingError
-from footopt.files.identity import FILE, locked
-from footopt.foot import SHAPES
-from footopt.studies.base import Study
-from footopt.studies.build import check_values, load_plugins, make_limits
-from footopt.studies.runs import claim_folder
-from footopt.studies.settings import (
-    GROUP_OPTIONS,
-    OUTLINE,
-    SETTING_OF_GROUP,
-    SHAPE,
-    SPACE,
-    STUDIES,
-    Config,
-    OwnSettings,
-    SearchSettings,
-    StudySettings,
-    leaves,
-)
-from footopt.walk.batch import at_once
+from footopt.design import RobustProblem
+from footopt.foot import Foot, Waypoints
+from footopt.studies.settings import GROUP_OPTIONS, STUDIES, SpreadConfig, StudySettings, default, setting
 
-__all__ = ["STUDIES", "StudySettings", "check_read", "run_study", "studies_that_read"]
+__all__ = ["STUDIES", "StudySettings"]
 
-#: footopt's own studies, each the class `Settings` and the function `run` of a module.
-BUILT_IN = ("optimize", "simulate", "accuracy", "stability", "effects", "paper", "robust", "export",
-            "compare", "doctor", "validate", "calibrate")  # fmt: skip
-for _name in BUILT_IN:
-    _module = import_module(f"footopt.studies.{_name}")
-    STUDIES[_name] = _module.Settings, _module.run
-    GROUP_OPTIONS["study"][_name] = _module.Settings
+#: Settings, and groups of them, that studies read.
+WORLD = ("gait", "walker", "effects", "scene")
+SCENE = (*WORLD, "sand")
+SPACE = tuple(f"foot.{field.name}" for field in fields(Waypoints))
+WORN = tuple(name for name in SPACE if name.partition(".")[2] in get_type_hints(Foot))  # of any foot
+SHAPE = ("foot.length", "foot.apex", "foot.upright")
+OUTLINE = tuple(f"foot.{name}" for name in ("path", "units", "scale", "layer", "toe", "origin"))
 
-#: Read for every study: how it is run, not what is asked. A constraint is refused elsewhere.
-ALWAYS = (
-    "study.name",
-    "study.own",
-    "plugins",
-    "report",
-    "engine.name",
-    "engine.threads",
-    "constraint",
-    "hydra",
-)
-
-#: Settings that each kind of one foot reads.
-READ_BY_FOOT: dict[str, tuple[str, ...]] = {
-    "waypoints": (*SPACE, "foot.k"),
-    **dict.fromkeys(SHAPES, (*SHAPE, "foot.length")),
-    "outline": (*SHAPE, *OUTLINE),
-}
-READ_BY_FOOT["reversed_triangle"] += ("foot.apex",)
-READ_BY_FOOT["reversed_l"] += ("foot.upright",)
-
-#: Settings that are read only where others have certain values: which, whether they have, and the readers.
-ONLY: tuple[tuple[tuple[str, ...], Callable[[Config], bool], str], ...] = (
-    (("gait.names", "gait.side", "gait.window"),
-     lambda c: c.gait.path is not None,
-     "gait=file gait.path=walk.mot"),
-    (("effects.tolerance",), lambda c: c.effects.auto or c.study.name == "effects", "effects=auto"),
-    (("engine.timeout",), lambda c: c.engine.name == "dask", "engine=dask"),
-    (("choose",), lambda c: len(c.objective.names) > 1, "objective=pareto, or a list of several"),
-    (("study.certify",), lambda c: len(c.objective.names) == 1, "a search for one objective"),
-    (("study.finalists",), lambda c: c.study.name != "robust" or len(c.objective.names) == 1,
-     "a search for one objective"),
-    (("solver.n_gen", "solver.walks", "study.certify"), lambda c: c.solver.name != EXHAUSTIVE,
-     "solvers other than exhaustive"),
-    (("study.tail",), lambda c: c.study.measure == "tail", "study.measure=tail"),
-    (("study.draws", "study.spread.mass", "study.spread.period", "study.spread.stride", "study.spread.angles",
-      "study.spread.ankle_x", "study.spread.ankle_z"), lambda c: c.study.scenarios == "drawn",
-     "study.scenarios=drawn"),
-    (("sand",), lambda c: c.study.name != "robust" or c.study.scenarios != "sands",
-     "study.scenarios=drawn, laws"),
-)  # fmt: skip
+FEET = "How many random soles are walked."
+VIDEO = "Name of a film of the walk in the run's folder, .gif or .mp4 (needs ffmpeg); null: none."
 
 
-def studies_that_read(name: str) -> str:
-    """The studies that read a setting, as they are chosen; "" if there is none."""
-    return ", ".join(study for study in BUILT_IN if covers(name, settings_of(study)))
+@dataclass
+class SearchSettings(StudySettings):
+    """Settings of studies that search: they keep what they evaluate, and go on where they stopped."""
+
+    confirm: str | None = setting(
+        "fine", "Accuracy at which finalists are walked again; null: the search's, under no other law."
+    )
+    finalists: int = setting(20, "How many of the best are walked again, and by other laws; a front whole.")
+    store: str | None = setting(None, "File of designs that runs may share; null: one in the folder.")
+    reuse: bool = setting(False, "Whether to read what other code has walked from the store.")
+    reads = (*SCENE, *SPACE, "foot.shape", "foot.k", "accuracy", "objective", "solver", "engine")
 
 
-def settings_of(study: str) -> tuple[str, ...]:
-    kind, _ = STUDIES[study]
-    return (*kind.reads, *dict(leaves(kind(), "study.")))
+@dataclass
+class Optimize(SearchSettings):
+    """Search the design space and leave the best foot in every form."""
+
+    name: str = "optimize"
+    certify: bool | None = setting(
+        None, "Whether all soles near the best are walked; null: if they are fewer than the search walked."
+    )
+    start: list[int] | None = setting(
+        None, "Heights of the sole that a search begins with, or of several in a row."
+    )
+    video: str | None = setting(None, VIDEO)
+    reads = (*SearchSettings.reads, "choose", "foot.block")
 
 
-def check_read(config: Config, overrides: Iterable[str]) -> None:
-    """Refuse settings that are given and have no effect.
+@dataclass
+class Simulate(StudySettings):
+    """Walk with one foot: foot.k, a shape, a drawing, that of a run, or else the flat sole."""
 
-    Parameters
-    ----------
-    config : Config
-        All settings.
-    overrides : iterable of str
-        From the command line: settings, and choices of groups.
-
-    Raises
-    ------
-    SettingError
-        The study or its foot does not read one; the message says what does.
-    """
-    searched = isinstance(config.study, SearchSettings)
-    groups = {field.name for field in fields(Config)} | {*SETTING_OF_GROUP}
-    for override in overrides if config.study.name in BUILT_IN else ():
-        given = override.lstrip("+~/").partition("=")[0].partition("@")[0]
-        group, dot, _ = given.partition(".")
-        if group not in groups or (group == "foot" and searched and config.foot.shape != "waypoints"):
-            continue  # a group of the user's own; a foot that the study refuses
-        name = given if dot else SETTING_OF_GROUP.get(given, f"{given}.name")
-        if given == "foot" and config.foot.shape == "waypoints":
-            name = "foot.n"  # a space, which its choice describes
-        _check_study_reads(config, name)
-        _check_foot_reads(config, name)
-        for names, holds, readers in ONLY:
-            if any(f"{name}.".startswith(f"{n}.") for n in names) and not holds(config):
-                raise _unread(config, name, "it has no effect here", readers)
+    name: str = "simulate"
+    run: str | None = setting(None, "Folder of the run whose foot is meant, in whose world it walks.")
+    video: str | None = setting(None, VIDEO)
+    reads = (*SCENE, "foot", "accuracy", "objective.names")
 
 
-def _check_study_reads(config: Config, name: str) -> None:
-    study = config.study.name
-    if not covers(name, (*ALWAYS, *settings_of(study))):
-        readers = studies_that_read(name)
-        raise _unread(config, name, f"study={study} does not read it", f"study={readers}" if readers else "")
+@dataclass
+class Ladder(StudySettings):
+    """The cost of accuracy in a scene: steppers, time steps, plates and presets."""
+
+    name: str = "accuracy"
+    feet: int = setting(40, FEET)
+    reads = (*SCENE, *SPACE, "solver.seed")
 
 
-def _check_foot_reads(config: Config, name: str) -> None:
-    """Refuse a setting of the foot that its shape does not have."""
-    study, shape = config.study, config.foot.shape
-    if name == "foot.block" or not name.startswith("foot."):
-        return
-    if not (isinstance(study, SearchSettings) or study.name in ("simulate", "stability")):
-        return  # whatever the study reads of it
-    of_run = study.name == "simulate" and getattr(study, "run", None) is not None
-    if not covers(name, ("foot.k",) if of_run else (*READ_BY_FOOT.get(shape, ()), "foot.shape")):
-        readers = ", ".join(kind for kind, names in READ_BY_FOOT.items() if name in names)
-        where = f"foot={readers}" if readers else "study=simulate without run"
-        what = "study=simulate run=..." if of_run else f"foot={shape}"
-        raise _unread(config, name, f"{what} does not read it", where)
+@dataclass
+class Stability(StudySettings):
+    """Which stepper stays stable in which hard case; every case starts from the settings."""
+
+    name: str = "stability"
+    cases: list[str] | None = setting(None, "Names of the cases; null: all.")
+    methods: list[str] | None = setting(None, "Names of the steppers that are tried; null: all.")
+    reads = (*SCENE, *SPACE, *SHAPE, *OUTLINE, "foot.shape", "foot.k", "accuracy")
 
 
-def covers(name: str, names: Iterable[str]) -> bool:
-    """Whether a setting is one of the names, in a group of them, or a group with some of them."""
-    return any(f"{name}.".startswith(f"{n}.") or n.startswith(f"{name}.") for n in names)
+@dataclass
+class Audit(StudySettings):
+    """Which effects a scene calls for: each is turned on alone on random soles of the design space."""
+
+    name: str = "effects"
+    feet: int = setting(40, FEET)
+    reads = (*SCENE, *SPACE, "accuracy", "solver.seed")
 
 
-def _unread(config: Config, name: str, why: str, readers: str) -> SettingError:
-    value: Any = config
-    for key in name.split("."):
-        value = getattr(value, key, None)
-    hint = f"It is read by {readers}." if readers else ""
-    return SettingError(name, value, f"left out: {why}", hint)
+@dataclass
+class Paper(StudySettings):
+    """The paper's study from nothing: its figures, and its claims judged one by one."""
+
+    name: str = "paper"
+    cases: list[str] | None = setting(
+        None, "Names of what the paper leaves open, such as foot.apex; null: all; []: none."
+    )
+    shape_sand: str = setting("regular", "Sand on which the paper's five shapes walk.")
+    mount: str = setting("centre", "Where the shank meets a shape: its centre, or its top.")
+    peak_power: str = setting(
+        "stance", "When p_max is taken: stance, at any instant of it; single, while one foot stands."
+    )
+    speed_loss: str = setting(
+        "walk", "When dV_x is taken: walk, all of it; window, narrow: 1/4, 1/8 stride about strikes."
+    )
+    confirm: str | None = setting("fine", "Accuracy of the walks that claims are measured on.")
+    reads = (*WORLD, *SPACE, *SHAPE, "accuracy", "solver")
 
 
-def run_study(
-    config: Config,
-    folder: Path,
-    settings: Mapping[str, Any],
-    overrides: Sequence[str] = (),
-    resumed: bool = False,
-) -> Any:
-    """Run the study that the settings name.
+@dataclass
+class Robust(SearchSettings):
+    """One foot for three sands, several laws, or drawn scenes, against the specialist of each."""
 
-    Parameters
-    ----------
-    config : Config
-        The settings.
-    folder : Path
-        Where the study leaves what it finds.
-    settings : dict
-        The same settings as plain data: what the run is.
-    overrides : sequence of str
-        What was given on the command line.
-    resumed : bool
-        Whether it goes on with what is in the folder.
-
-    Returns
-    -------
-    float or tuple, optional
-        The objective of the foot that the study is about, or its objectives: natural signs.
-
-    Raises
-    ------
-    Occupied
-        Another run is at work in the folder, or has left what it found there.
-    SettingError
-        There is no such study, or it does not go with the other settings.
-    """
-    check_values(config)
-    at_once(config.engine.threads)
-    load_plugins(config.plugins)
-    config = _chosen(config)
-    check_read(config, overrides)
-    name, searches = config.study.name, isinstance(config.study, SearchSettings)
-    if config.engine.name != "local" and not searches:
-        raise SettingError("engine", config.engine.name, f"local for study={name}")
-    if name != "optimize" and (limits := make_limits(config)):
-        raise SettingError("constraint", limits, f"left out for study={name}", "study=optimize keeps limits.")
-    with locked(folder):
-        (folder / ERROR_FILE).unlink(missing_ok=True)  # of a job that failed before
-        before = {*folder.iterdir()}
-        if not resumed:
-            claim_folder(folder, settings, overrides)
-        try:
-            return STUDIES[name][1](Study(config, folder, settings, overrides))
-        except FootoptError:
-            if {*folder.iterdir()} - before == {folder / FILE}:  # it was refused: there is no run
-                (folder / FILE).unlink()
-            raise
+    name: str = "robust"
+    scenarios: str = setting("sands", "What one foot is for: sands, laws, or drawn about the scene.")
+    draws: int = setting(16, "How many scenarios are drawn.")
+    measure: str = setting(
+        default(RobustProblem, "measure"),
+        "What counts of the loss over the scenarios: worst, mean, or tail (of the worst share).",
+    )
+    tail: float = setting(default(RobustProblem, "tail"), "The share of study.measure=tail.")
+    spread: Any = field(default_factory=lambda: SpreadConfig(zeta=None))
 
 
-def _chosen(config: Config) -> Config:
-    """The settings with those of a plugin's study as what the plugin has them."""
-    name = config.study.name
-    if name not in STUDIES:
-        hint = "A study of your own: plugins=[mine.py] study=own study.name=mine"
-        raise SettingError("study.name", name, f"one of {', '.join(STUDIES)}", hint)
-    kind, _ = STUDIES[name]
-    if isinstance(config.study, OwnSettings):
-        try:
-            return replace(config, study=kind(name, **(config.study.own or {})))
-        except TypeError as error:
-            raise SettingError("study.own", config.study.own, f"settings that it has ({error})") from None
-    if not isinstance(config.study, kind):
-        raise SettingError("study.name", name, f"chosen as a group: study={name}")
-    return config
+@dataclass
+class Export(StudySettings):
+    """The foot of a run as files to make it from; foot.k chooses another of its soles."""
+
+    name: str = "export"
+    run: str | None = setting(None, "Folder of the run whose foot is meant.")
+    reads = ("foot.k", "foot.block")
+
+
+@dataclass
+class Compare(StudySettings):
+    """Earlier runs of optimize, simulate or robust, side by side."""
+
+    name: str = "compare"
+    runs: list[str] = setting([], "Folders of the runs that are compared; * and ** as in a shell.")
+
+
+@dataclass
+class Doctor(StudySettings):
+    """Is the installation sound? Versions, processor, cache folder, and the published walks again."""
+
+    name: str = "doctor"
+
+
+@dataclass
+class Validate(StudySettings):
+    """Experiments on sand by other people, repeated: error, validation uncertainty, verdict."""
+
+    name: str = "validate"
+    cases: list[str] | None = setting(None, "Names of the experiments; null: all.")
+
+
+@dataclass
+class Calibrate(StudySettings):
+    """zeta from tests with plates or a penetrometer, with its uncertainty, as a sand for other runs."""
+
+    name: str = "calibrate"
+    tests: str | None = setting(
+        None, "CSV of tests: depth_mm, force_N, area_cm2; if known, angle_deg, direction_deg, repeat."
+    )
+    reads = ("sand.name", "sand.coefficients", "sand.table")
+
+
+def searches(study: str) -> bool:
+    """Whether a study keeps what it evaluates and can go on where it stopped."""
+    return study in STUDIES and issubclass(STUDIES[study][0], SearchSettings)
+
+
+def _add(kind: type[StudySettings]) -> str:
+    """Add one of footopt's own studies: the module of its name is imported when it is run."""
+    name = kind.name
+    STUDIES[name] = kind, lambda study: import_module(f"footopt.studies.{name}").run(study)
+    GROUP_OPTIONS["study"][name] = kind
+    return name
+
+
+#: Names of footopt's own studies; a plugin adds its own to `STUDIES`.
+BUILT_IN = tuple(map(_add, (Optimize, Simulate, Ladder, Stability, Audit, Paper, Robust, Export, Compare,
+                            Doctor, Validate, Calibrate)))  # fmt: skip

@@ -7,7 +7,7 @@ walk on all of its rungs: their errors are measured against converged walks, the
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,7 +19,6 @@ from footopt.report.figures.studies import work_precision
 from footopt.report.numbers import percent
 from footopt.studies.audit import own_time
 from footopt.studies.base import Study, scene_entry
-from footopt.studies.settings import FEET_HELP, SCENE, SPACE, StudySettings, setting
 from footopt.walk import FIVE, Accuracy, Scene, evaluate
 from footopt.walk.accuracy import PRESETS, TOLERANCES, work
 from footopt.walk.ladder import ladder, numbers_at, numerics
@@ -35,15 +34,6 @@ CAPTION = (
     "Error of the worst objective, for 95 % of the feet, against the time that a design takes: "
     "the ladder of every stepper, and the presets."
 )
-
-
-@dataclass
-class Settings(StudySettings):
-    """The cost of accuracy in a scene: steppers, time steps, plates and presets."""
-
-    name: str = "accuracy"
-    feet: int = setting(40, FEET_HELP)
-    reads = (*SCENE, *SPACE, "solver.seed")
 
 
 class Measurement(NamedTuple):

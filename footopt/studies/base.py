@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 import os
 import shlex
 import time
@@ -25,20 +24,17 @@ from footopt.effects.base import parameters
 from footopt.errors import FootoptError, check
 from footopt.files import identity
 from footopt.files import io as files
+from footopt.files.identity import finished, result_of
 from footopt.foot import Foot, Waypoints
 from footopt.report import figures, page, terminal
 from footopt.report.numbers import percent
 from footopt.report.progress import Step, progress
 from footopt.studies.build import make_accuracy, make_foot, make_scene, make_space
-from footopt.studies.runs import finished, result_of
 from footopt.studies.settings import REPORTS, Config
 from footopt.walk import MEASURES, Accuracy, Scene
 from footopt.walk.accuracy import AnyAccuracy, resolve
 from footopt.walk.ladder import ladder, numerics
-from footopt.walk.objectives import lookup
 from footopt.walk.validity import Diagnostic
-
-SweeperValue = float | tuple[float, ...]
 
 
 class Study:
@@ -70,7 +66,7 @@ class Study:
 
     @property
     def options(self) -> Any:
-        """The study's own settings: the class `Settings` of its module."""
+        """The study's own settings: the a class of `footopt.studies`."""
         return self.config.study
 
     @property
@@ -255,18 +251,6 @@ class Study:
         long = len(str(self.folder)) > self.console.width  # no line break in what is to be copied
         line = f"Everything is in {self.folder} ({self.seconds:.3g} s in all)"
         self.console.print(line, soft_wrap=long or not self.console.is_terminal)
-
-
-def sweeper_value(names: Sequence[str], values: Mapping[str, float]) -> SweeperValue:
-    """The value of a job for a sweeper and callbacks: its objective, or a tuple of several.
-
-    Signs are natural. Where there is no value, because a walk or the job failed, it is the objective's worst:
-    a sweeper then goes on.
-    """
-    found = [values.get(name, math.nan) for name in names]
-    worst = [objective.worst for objective in lookup(names)]
-    told = tuple(v if math.isfinite(v) else w for v, w in zip(found, worst, strict=True))
-    return told[0] if len(told) == 1 else told
 
 
 def foot_entry(foot: Foot) -> dict[str, Any]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import math
 import os
 import sys
 from collections.abc import Mapping, Sequence
@@ -25,8 +24,8 @@ from footopt.files.strides import Strides
 from footopt.foot import SHAPES, Foot, Waypoints
 from footopt.gait import Gait
 from footopt.sand import GENERIC, MEDIA, Sand, StressMap
+from footopt.studies import SCENE
 from footopt.studies.settings import (
-    SCENE,
     SETTING_OF_GROUP,
     AccuracyConfig,
     Config,
@@ -34,7 +33,6 @@ from footopt.studies.settings import (
     FootConfig,
     GaitConfig,
     SandConfig,
-    leaves,
 )
 from footopt.walk import Accuracy, Scene, Walker
 from footopt.walk.accuracy import PRESETS, AnyAccuracy, Tolerance
@@ -117,19 +115,6 @@ def load_plugins(plugins: Sequence[str]) -> None:
         check(
             own, "plugins", plugin, "a file whose name is not that of another module", f"Rename {path.name}."
         )
-
-
-def check_values(config: Config) -> None:
-    """Raise unless lists hold plain values, and no number is a NaN, be it read or not.
-
-    OmegaConf lets lists in lists, interpolations and NaNs through.
-    """
-    for name, value in leaves(config):
-        if isinstance(value, float):
-            check(not math.isnan(value), name, value, "a number")
-        elif isinstance(value, list):
-            plain = all(isinstance(v, (int, float, str)) and v == v for v in value)
-            check(plain, name, value, "a list of plain values")
 
 
 def make_sand(config: SandConfig) -> Sand:

@@ -10,7 +10,7 @@ holds, they have the zeta of all.
 from __future__ import annotations
 
 import re
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -28,7 +28,6 @@ from footopt.report.numbers import number
 from footopt.sand import GENERIC, MEDIA, Sand, StressMap, alpha
 from footopt.studies.base import Study
 from footopt.studies.build import make_sand
-from footopt.studies.settings import StudySettings, setting
 
 Array = NDArray[np.float64]
 
@@ -42,17 +41,6 @@ DEPTHS = 3  # different ones that each repeat must have at least
 ZETAS = (0.005, 200.0)  # of any sand; the softest and hardest of the literature are .2 and 3
 SHALLOW = 1 / 3  # of the largest depth
 CHANGE = 0.1  # of zeta in a part of the tests: less does not matter
-
-
-@dataclass
-class Settings(StudySettings):
-    """zeta from tests with plates or a penetrometer, with its uncertainty, as a sand for other runs."""
-
-    name: str = "calibrate"
-    tests: str | None = setting(
-        None, "CSV of tests: depth_mm, force_N, area_cm2; if known, angle_deg, direction_deg, repeat."
-    )
-    reads = ("sand.name", "sand.coefficients", "sand.table")
 
 
 class Estimate(NamedTuple):

@@ -3,25 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from footopt.errors import FileError, SettingError, named
 from footopt.files import identity
 from footopt.report import summary
 from footopt.studies.base import Study
-from footopt.studies.settings import StudySettings, setting
 
 SETTING = "study.runs"
 TRY = "Try footopt study=compare 'study.runs=[outputs/optimize/*]'"
-
-
-@dataclass
-class Settings(StudySettings):
-    """Earlier runs of optimize, simulate or robust, side by side."""
-
-    name: str = "compare"
-    runs: list[str] = setting([], "Folders of the runs that are compared; * and ** as in a shell.")
 
 
 def run(study: Study) -> None:

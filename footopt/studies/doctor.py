@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from footopt.compiled import cache_folder, target
@@ -12,17 +10,9 @@ from footopt.files import identity
 from footopt.report import terminal
 from footopt.sand import Sand
 from footopt.studies.base import Study
-from footopt.studies.settings import StudySettings
 from footopt.walk import FIVE, Scene, evaluate
 from footopt.walk.batch import available_threads
 from footopt.walk.reference import LIMITS, PUBLISHED, RAMP
-
-
-@dataclass
-class Settings(StudySettings):
-    """Is the installation sound? Versions, processor, cache folder, and the published walks again."""
-
-    name: str = "doctor"
 
 
 def run(study: Study) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from rich.table import Table
 
@@ -13,18 +12,8 @@ from footopt.report import terminal
 from footopt.report.numbers import percent
 from footopt.studies.audit import Audit, audit, every_effect, switched, tolerance
 from footopt.studies.base import Study, accuracy_entry, scene_entry
-from footopt.studies.settings import FEET_HELP, SCENE, SPACE, StudySettings, setting
 from footopt.walk import FIVE, evaluate
 from footopt.walk.ladder import numerics
-
-
-@dataclass
-class Settings(StudySettings):
-    """Which effects a scene calls for: each is turned on alone on random soles of the design space."""
-
-    name: str = "effects"
-    feet: int = setting(40, FEET_HELP)
-    reads = (*SCENE, *SPACE, "accuracy", "solver.seed")
 
 
 def run(study: Study) -> None:

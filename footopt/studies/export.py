@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +15,6 @@ from footopt.files.outline import MM, body_outline
 from footopt.report import figures, terminal
 from footopt.studies.base import Study, foot_entry
 from footopt.studies.runs import foot_of
-from footopt.studies.settings import StudySettings, setting
 
 #: Contents of each file.
 HOLDS = {
@@ -26,15 +24,6 @@ HOLDS = {
     ".stl": "body of triangles",
     ".step": "body of plane faces",
 }
-
-
-@dataclass
-class Settings(StudySettings):
-    """The foot of a run as files to make it from; foot.k chooses another of its soles."""
-
-    name: str = "export"
-    run: str | None = setting(None, "Folder of the run whose foot is meant.")
-    reads = ("foot.k", "foot.block")
 
 
 def run(study: Study) -> None:

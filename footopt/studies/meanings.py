@@ -1,18 +1,163 @@
-"""The default, kind and meaning of every setting, for `footopt --help sand` and docs/reference.md."""
+"""Every setting: its kind and meaning, which studies read it, and where it has no effect and is refused."""
 
 from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Collection, Iterator
-from dataclasses import fields, is_dataclass
+from collections.abc import Callable, Collection, Iterable
+from dataclasses import fields, is_dataclass, replace
 from typing import Any, NamedTuple
 
+from footopt.design import EXHAUSTIVE, Spread
+from footopt.errors import SettingError, check
+from footopt.foot import SHAPES
 from footopt.report.terminal import described
-from footopt.studies.settings import SETTING_OF_GROUP, Config, everything, study_kinds
+from footopt.studies import BUILT_IN, OUTLINE, SPACE, WORN, SearchSettings
+from footopt.studies.build import load_plugins, make_limits
+from footopt.studies.settings import SETTING_OF_GROUP, STUDIES, Config, OwnSettings, known, leaves
 from footopt.walk import MEASURES
 
 GROUPS = tuple(field.name for field in fields(Config))
+
+#: Read for every study: how it is run, not what is asked. A constraint is refused elsewhere.
+ALWAYS = ("study.name", "study.own", "plugins", "report", "engine.name", "engine.threads", "constraint")
+
+
+def _of_run(config: Config) -> bool:
+    """Whether the foot is that of a run."""
+    return config.study.name == "simulate" and config.study.run is not None
+
+
+def _of(*shapes: str) -> tuple[str, Callable[[Config], bool]]:
+    """Where a setting of some shapes counts; a study that reads no shape has soles of a space."""
+    return (
+        f"foot={', '.join(shapes)}",
+        lambda c: not covers("foot.shape", c.study.reads) or (c.foot.shape in shapes and not _of_run(c)),
+    )
+
+
+#: Settings that count only where others have certain values: which, where that is, and whether it is so.
+ONLY: tuple[tuple[tuple[str, ...], str, Callable[[Config], bool]], ...] = (
+    (tuple({*SPACE} - {*WORN}), *_of("waypoints")),
+    (("foot.k",), "foot=waypoints", lambda c: c.foot.shape == "waypoints" or _of_run(c)),
+    (("foot.length",), *_of(*SHAPES)),
+    (("foot.apex",), *_of("reversed_triangle")),
+    (("foot.upright",), *_of("reversed_l")),
+    (OUTLINE, *_of("outline")),
+    (("foot.shape", *WORN), "study=simulate without run", lambda c: not _of_run(c)),
+    (("gait.names", "gait.side", "gait.window"), "gait=file gait.path=walk.mot", lambda c: bool(c.gait.path)),
+    (("effects.tolerance",), "effects=auto", lambda c: c.effects.auto or c.study.name == "effects"),
+    (("engine.timeout",), "engine=dask", lambda c: c.engine.name == "dask"),
+    (("choose",), "objective=pareto, or a list of several", lambda c: len(c.objective.names) > 1),
+    (("study.certify",), "a search for one objective", lambda c: len(c.objective.names) == 1),
+    (("study.finalists",), "a search for one objective",
+     lambda c: c.study.name != "robust" or len(c.objective.names) == 1),
+    (("solver.n_gen", "solver.walks", "study.certify"), "solvers other than exhaustive",
+     lambda c: c.solver.name != EXHAUSTIVE),
+    (("study.tail",), "study.measure=tail", lambda c: c.study.measure == "tail"),
+    (("study.draws", *(f"study.spread.{f.name}" for f in fields(Spread) if f.name != "zeta")),
+     "study.scenarios=drawn", lambda c: c.study.scenarios == "drawn"),
+    (("sand",), "study.scenarios=drawn, laws",
+     lambda c: c.study.name != "robust" or c.study.scenarios != "sands"),
+)  # fmt: skip
+
+
+def covers(name: str, names: Iterable[str]) -> bool:
+    """Whether a setting is one of the names, in a group of them, or a group with some of them."""
+    return any(f"{name}.".startswith(f"{n}.") or n.startswith(f"{name}.") for n in names)
+
+
+def read_by(study: str) -> tuple[str, ...]:
+    """The settings, and groups of them, that a study reads."""
+    kind, _ = STUDIES[study]
+    return (*kind.reads, *(each.name for each in leaves(kind(), "study.")))
+
+
+def studies_that_read(name: str) -> str:
+    """The studies that read a setting, as they are chosen; "" if there is none."""
+    return ", ".join(study for study in BUILT_IN if covers(name, read_by(study)))
+
+
+def check_read(config: Config, overrides: Iterable[str]) -> None:
+    """Refuse settings that are given and have no effect.
+
+    Parameters
+    ----------
+    config : Config
+        All settings.
+    overrides : iterable of str
+        From the command line: settings, and choices of groups.
+
+    Raises
+    ------
+    SettingError
+        The study or its foot does not read one; the message says what does.
+    """
+    study, shape = config.study.name, config.foot.shape
+    for override in overrides if study in BUILT_IN else ():
+        given = override.lstrip("+~/").partition("=")[0].partition("@")[0]
+        group, dot, _ = given.partition(".")
+        if group not in (*GROUPS, *SETTING_OF_GROUP):
+            continue  # of the user's own
+        if group == "foot" and shape != "waypoints" and isinstance(config.study, SearchSettings):
+            continue  # the study refuses that foot
+        name = given if dot else SETTING_OF_GROUP.get(given, f"{given}.name")
+        if given == "foot" and shape == "waypoints":
+            name = "foot.n"  # a space, which its choice describes
+        value: Any = config
+        for key in name.split("."):
+            value = getattr(value, key, None)
+        if not covers(name, (*ALWAYS, *read_by(study))):
+            readers = studies_that_read(name)
+            hint = f"It is read by study={readers}." if readers else ""
+            raise SettingError(name, value, f"left out: study={study} does not read it", hint)
+        for names, where, holds in ONLY:
+            if any(f"{name}.".startswith(f"{n}.") for n in names) and not holds(config):
+                raise SettingError(name, value, "left out: it has no effect here", f"It is read by {where}.")
+
+
+def check_values(config: Config) -> None:
+    """Raise unless lists hold plain values, and no number is a NaN, be it read or not.
+
+    OmegaConf lets lists in lists, interpolations and NaNs through.
+    """
+    for name, value, *_ in leaves(config):
+        if isinstance(value, float):
+            check(not math.isnan(value), name, value, "a number")
+        elif isinstance(value, list):
+            plain = all(isinstance(v, (int, float, str)) and v == v for v in value)
+            check(plain, name, value, "a list of plain values")
+
+
+def checked(config: Config, overrides: Iterable[str]) -> Config:
+    """The settings, a plugin's study as the plugin has it; `SettingError` if they do not go together."""
+    check_values(config)
+    load_plugins(config.plugins)
+    config = _chosen(config)
+    check_read(config, overrides)
+    name = config.study.name
+    if config.engine.name != "local" and not isinstance(config.study, SearchSettings):
+        raise SettingError("engine", config.engine.name, f"local for study={name}")
+    if name != "optimize" and (limits := make_limits(config)):
+        raise SettingError("constraint", limits, f"left out for study={name}", "study=optimize keeps limits.")
+    return config
+
+
+def _chosen(config: Config) -> Config:
+    """The settings with a plugin's study as the plugin has it."""
+    name = config.study.name
+    if name not in STUDIES:
+        hint = "A study of your own: plugins=[mine.py] study=own study.name=mine"
+        raise SettingError("study.name", name, f"one of {', '.join(STUDIES)}", hint)
+    kind, _ = STUDIES[name]
+    if isinstance(config.study, OwnSettings):
+        try:
+            return replace(config, study=kind(name, **(config.study.own or {})))
+        except TypeError as error:
+            raise SettingError("study.own", config.study.own, f"settings that it has ({error})") from None
+    if not isinstance(config.study, kind):
+        raise SettingError("study.name", name, f"chosen as a group: study={name}")
+    return config
 
 
 class Setting(NamedTuple):
@@ -30,31 +175,18 @@ class Setting(NamedTuple):
 
 
 def settings() -> list[Setting]:
-    """All settings in the order of the groups, those of several studies once."""
-    found: dict[str, Setting] = {}
-    for setting in _inside(everything()):
-        alternatives = [setting]
-        if setting.group == "study":
-            alternatives = [each for kind in study_kinds() for each in _inside(kind(), "study.")]
-        for each in alternatives:
-            found.setdefault(each.name, each)
-    return list(found.values())
-
-
-def _inside(group: Any, path: str = "", outer: Any = "") -> Iterator[Setting]:
-    """The settings of a group; one without a meaning of its own has that of its group, `outer`."""
-    for field in fields(group):
-        value, name = getattr(group, field.name), f"{path}{field.name}"
-        meaning = field.metadata.get("meaning", outer)
-        if is_dataclass(value):
-            yield from _inside(value, f"{name}.", meaning)
-            continue
+    """All settings in the order of the groups, those of several studies once, without bare effects."""
+    found = []
+    for name, default, meaning, of_group in known().values():
         kind = ""
         if isinstance(meaning, type):
-            kind, meaning = described(meaning).get(field.name, ("", outer))
-        if path == "constraint." and field.name in MEASURES:
-            kind = f"float, {MEASURES[field.name].unit}".removesuffix(", ")
-        yield Setting(name, value, kind, meaning)
+            kind, meaning = described(meaning).get(name.rpartition(".")[2], ("", str(of_group)))
+        group, _, measure = name.partition(".")
+        if group == "constraint" and measure in MEASURES:
+            kind = f"float, {MEASURES[measure].unit}".removesuffix(", ")
+        if not is_dataclass(default):
+            found.append(Setting(name, default, kind, meaning))
+    return found
 
 
 def text(groups: Collection[str]) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -37,17 +36,14 @@ from footopt.studies import ranks
 from footopt.studies.audit import choose_effects
 from footopt.studies.base import (
     Study,
-    SweeperValue,
     accuracy_entry,
     describe_ladder,
     foot_entry,
     scene_entry,
-    sweeper_value,
     validity_entry,
 )
 from footopt.studies.build import check_searchable, make_problem
-from footopt.studies.settings import SearchSettings, setting
-from footopt.studies.simulate import VIDEO, check_film, write_film, write_walk
+from footopt.studies.simulate import check_film, write_film, write_walk
 from footopt.studies.validation.model import model_error
 from footopt.walk import MEASURES, gain_shares, simulate
 from footopt.walk.resolution import error_of, resolution
@@ -56,23 +52,8 @@ from footopt.walk.validity import diagnose
 LEADERS = 4  # best soles of an enumerated space that are drawn in one frame
 
 
-@dataclass
-class Settings(SearchSettings):
-    """Search the design space and leave the best foot in every form."""
-
-    name: str = "optimize"
-    certify: bool | None = setting(
-        None, "Whether all soles near the best are walked; null: if they are fewer than the search walked."
-    )
-    start: list[int] | None = setting(
-        None, "Heights of the sole that a search begins with, or of several in a row."
-    )
-    video: str | None = setting(None, VIDEO)
-    reads = (*SearchSettings.reads, "choose", "foot.block")
-
-
-def run(study: Study) -> SweeperValue:
-    """Search, then walk with the best foot and leave everything about it; returns its objectives."""
+def run(study: Study) -> dict[str, float]:
+    """Search, then walk with the best foot and leave everything about it; returns its values."""
     config, options = study.config, study.options
     check_searchable(config.foot)
     check_film(study)
@@ -146,7 +127,7 @@ def run(study: Study) -> SweeperValue:
     if result.interrupted:
         done, every = len(result.history), solver.generations(problem.space)
         raise KeyboardInterrupt(f"after {_unit(solver)} {done} of {every}, with a full report")
-    return sweeper_value(problem.names, values)
+    return values
 
 
 def _warnings(

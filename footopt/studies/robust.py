@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from concurrent.futures import Executor
 from copy import copy
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -31,7 +31,7 @@ from footopt.report.figures.search import FRONT
 from footopt.report.progress import report_generations
 from footopt.studies.base import Study, accuracy_entry, foot_entry, scene_entry
 from footopt.studies.build import check_searchable, make_scene, make_spread
-from footopt.studies.settings import Config, SearchSettings, SpreadConfig, default, setting
+from footopt.studies.settings import Config
 from footopt.studies.validation.model import model_error
 from footopt.walk import MEASURES, Scene, simulate
 from footopt.walk.accuracy import AnyAccuracy
@@ -44,21 +44,6 @@ SOURCES = ("sands", "laws", "drawn")
 HELD_OUT = 200  # fresh scenarios that test the robust foot
 SHOWN = 6  # scenarios that have a column in the table
 MEDIAN, ROBUST = "median scene", "robust"
-
-
-@dataclass
-class Settings(SearchSettings):
-    """One foot for three sands, several laws, or drawn scenes, against the specialist of each."""
-
-    name: str = "robust"
-    scenarios: str = setting("sands", "What one foot is for: sands, laws, or drawn about the scene.")
-    draws: int = setting(16, "How many scenarios are drawn.")
-    measure: str = setting(
-        default(RobustProblem, "measure"),
-        "What counts of the loss over the scenarios: worst, mean, or tail (of the worst share).",
-    )
-    tail: float = setting(default(RobustProblem, "tail"), "The share of study.measure=tail.")
-    spread: Any = field(default_factory=lambda: SpreadConfig(zeta=None))
 
 
 class Comparison(NamedTuple):

@@ -15,12 +15,13 @@ from omegaconf.errors import OmegaConfBaseException
 
 from footopt.design import SearchResult, Solver, Store, search
 from footopt.effects import EFFECTS
-from footopt.errors import ERROR_FILE, FileError, SettingError, check
+from footopt.errors import ERROR_FILE, FileError, FootoptError, SettingError, check
 from footopt.files import identity
-from footopt.files.identity import LOCK, Occupied, changed_settings
+from footopt.files.identity import LOCK, Occupied, changed_settings, finished, locked, result_of
 from footopt.files.io import plain, read_json_file
 from footopt.files.soles import read_foot
 from footopt.foot import Foot
+from footopt.studies import searches
 from footopt.studies.build import (
     check_searchable,
     load_plugins,
@@ -29,9 +30,11 @@ from footopt.studies.build import (
     make_problem,
     make_scene,
 )
-from footopt.studies.settings import REPORTS, STUDIES, Config, FootConfig, searches, structured
+from footopt.studies.meanings import checked
+from footopt.studies.settings import REPORTS, STUDIES, Config, FootConfig, structured
 from footopt.walk import Accuracy, Scene, Walk, simulate
 from footopt.walk.accuracy import AnyAccuracy
+from footopt.walk.batch import at_once
 
 __version__ = version("footopt")
 
@@ -57,25 +60,8 @@ def check_may_change(override: str) -> None:
     check("=" in override and may_change(override.partition("=")[0]), "resume", override, allowed, hint)
 
 
-def result_of(folder: Path) -> Mapping[str, Any] | None:
-    """The result.json of the run in a folder; None if there is none."""
-    path = folder / "result.json"
-    found = read_json_file(path, "resume") if path.exists() else None
-    if found is not None and not (isinstance(found, dict) and "settings" in found):
-        raise FileError(f"{path}: is not the result of a run. Move it away.")
-    return found
-
-
-def finished(result: Mapping[str, Any] | None) -> bool:
-    """Whether a run with such a result has one, and was not stopped before its last generation."""
-    return result is not None and not result.get("interrupted", False)
-
-
 def claim_folder(folder: Path, settings: Mapping[str, Any], overrides: Sequence[str]) -> None:
-    """Begin a run in a folder, or go on with the same one that was stopped there: leave what it is.
-
-    A finished run there, or what another one has left, is `Occupied`.
-    """
+    """Leave what a run is in its folder; `Occupied` by a finished run, or by what another one has left."""
     other = "Choose another hydra.run.dir."
     if finished(result_of(folder)):
         raise Occupied(f"{folder}: holds a run that is finished; footopt resume=... extends it. {other}")
@@ -92,32 +78,71 @@ def claim_folder(folder: Path, settings: Mapping[str, Any], overrides: Sequence[
 
 
 def check_resumable(folder: Path, before: Mapping[str, Any], after: Mapping[str, Any]) -> None:
-    """Raise an error unless a run with the settings `before` may go on with those `after`.
-
-    Its result is of these settings, but for `CHANGEABLE`; a finished search is only made longer.
-    """
-    found = result_of(folder)
-    other = (
-        [name for name in changed_settings(plain(before), found["settings"]) if not may_change(name)]
-        if found
-        else []
-    )
-    if other:
+    """Raise unless a run may go on: only `CHANGEABLE` settings differ, and a search becomes longer."""
+    if not (found := result_of(folder)):
+        return
+    changed = changed_settings(plain(before), found["settings"])
+    if other := [name for name in changed if not may_change(name)]:
         raise FileError(
             f"resume = {str(folder)!r}: its result.json is that of another run: {', '.join(other[:4])} "
             f"differ from {identity.FILE}. Start a new run."
         )
+    if not finished(found):
+        return
     study = before["study"]["name"]
-    if finished(found) and not searches(study):
-        able = ", ".join(filter(searches, STUDIES))
-        raise SettingError("resume", str(folder), f"a run of study={able}, not {study}")
-    for name in BUDGETS if finished(found) else ():  # a search that found less would replace its result
+    allowed = f"a run of study={', '.join(filter(searches, STUDIES))}, not {study}"
+    check(searches(study), "resume", str(folder), allowed)
+    for name in BUDGETS:  # a search that found less would replace its result
         old, new = before["solver"][name], after["solver"][name]
         hint = "A shorter search is a run of its own: leave out resume."
         check(None in (old, new) or new >= old, f"solver.{name}", new, f"at least {old}, as before", hint)
     old, new = before["report"], after["report"]
-    kept = not finished(found) or REPORTS.index(new) >= REPORTS.index(old)
-    check(kept, "report", new, f"{old} or more, as before")
+    check(new in REPORTS[REPORTS.index(old) :], "report", new, f"{old} or more, as before")
+
+
+def run_study(
+    config: Config,
+    folder: Path,
+    settings: Mapping[str, Any],
+    overrides: Sequence[str] = (),
+    resumed: bool = False,
+) -> Any:
+    """Run the study that the settings name, in a folder where it leaves what it finds.
+
+    Parameters
+    ----------
+    config, settings
+        The settings, and the same as plain data: what the run is.
+    overrides : sequence of str
+        What was given on the command line.
+    resumed : bool
+        Whether it goes on with what is in the folder.
+
+    Returns
+    -------
+    dict or None
+        Values of the foot that the study is about, by name.
+
+    Raises
+    ------
+    SettingError, Occupied
+        The study does not go with the other settings, or the folder is that of another run.
+    """
+    from footopt.studies.base import Study  # figures and tables: nothing that loading a run needs
+
+    at_once(config.engine.threads)
+    config = checked(config, overrides)
+    with locked(folder):
+        (folder / ERROR_FILE).unlink(missing_ok=True)  # of a job that failed before
+        before = {*folder.iterdir()}
+        if not resumed:
+            claim_folder(folder, settings, overrides)
+        try:
+            return STUDIES[config.study.name][1](Study(config, folder, settings, overrides))
+        except FootoptError:
+            if {*folder.iterdir()} - before == {folder / identity.FILE}:  # it was refused: there is no run
+                (folder / identity.FILE).unlink()
+            raise
 
 
 def foot_of(folder: Path, k: list[int] | None = None) -> Foot:
@@ -135,17 +160,15 @@ def foot_of(folder: Path, k: list[int] | None = None) -> Foot:
         result = read_json_file(folder / "result.json", "run")
         design, given = result["design"], result["settings"]["foot"]
         saved = FootConfig(**{f.name: given[f.name] for f in fields(FootConfig) if f.name in given})
-        if k is not None and (saved.shape != "waypoints" or design["k"] is None):
-            raise SettingError("foot.k", k, f"null: the run's foot is {saved.shape}")
+        of_space = saved.shape == "waypoints" and design["k"] is not None
+        check(k is None or of_space, "foot.k", k, f"null: the run's foot is {saved.shape}")
         if k is not None:
             return make_foot(replace(saved, k=k))
         if design["k"] is not None:
             foot = make_foot(replace(saved, k=design["k"]))
         else:  # the contour itself: a drawing that it came from may have changed
-            foot = read_foot(
-                folder / "contour.csv", width=float(design["width_m"]), ankle=tuple(design["ankle_m"]),
-                closed=saved.closed, top=saved.top,
-            )  # fmt: skip
+            worn = {"width": design["width_m"], "ankle": tuple(design["ankle_m"])}
+            foot = read_foot(folder / "contour.csv", **worn, closed=saved.closed, top=saved.top)
         return replace(foot, name=str(design["name"]))
     except SettingError:
         raise
@@ -160,27 +183,13 @@ def foot_of(folder: Path, k: list[int] | None = None) -> Foot:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Run:
-    """A run in its folder, finished or not. Nothing of it is changed; `search` adds to its store.
-
-    Parameters
-    ----------
-    folder : Path
-        Where it left what it found.
-    settings : dict
-        All its settings, resolved: what the run is.
-    overrides : tuple of str
-        What was given on the command line.
-    version : str
-        Of the footopt that wrote it.
-    trusted : bool
-        Whether the plugins that the settings name may be run, and a store elsewhere written to.
-    """
+    """A run in its folder, finished or not. Nothing of it is changed; `search` adds to its store."""
 
     folder: Path
-    settings: Mapping[str, Any]
-    overrides: tuple[str, ...] = ()
-    version: str = __version__
-    trusted: bool = False
+    settings: Mapping[str, Any]  # all of them, resolved: what the run is
+    overrides: tuple[str, ...] = ()  # of the command line
+    version: str = __version__  # of the footopt that wrote it
+    trusted: bool = False  # whether plugins that the settings name are run, and a store elsewhere written to
 
     def __repr__(self) -> str:
         best = "; ".join(f"{name} {value:.4g}" for name, value in self.best.items() if value is not None)
@@ -301,9 +310,8 @@ def load(folder: str | Path, trust: bool = False) -> Run:
 def load_all(pattern: str | Path) -> Any:
     """All runs below folders: a pandas DataFrame with a row for each.
 
-    Columns are `folder`, `overrides`, each setting by its full name, each objective, `hollow_mm`, `k`,
-    `hypervolume`, `evaluations`, `wall_time_s` and `search_time_s`, `validity.NAME`, `warnings` (how many),
-    and `note`: why there is no better result.
+    Columns are `folder`, `overrides`, each setting by its full name, each objective, `hollow_mm`, `k`, the
+    other numbers of result.json, `warnings` (how many), and `note`: why there is no better result.
 
     Parameters
     ----------

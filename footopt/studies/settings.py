@@ -9,7 +9,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass, make_dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, get_type_hints
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, get_type_hints
 
 from omegaconf import OmegaConf
 
@@ -22,8 +22,6 @@ from footopt.foot import SHAPES, Foot, Waypoints, shapes
 from footopt.gait import Gait
 from footopt.sand import MEDIA, Sand, StressMap
 from footopt.walk import MEASURES, PRESETS, Accuracy, Walker
-
-FEET_HELP = "How many random soles are walked."
 
 #: How much a run leaves: result.json, contour.csv and what it is resumed from; all but figures; everything.
 REPORTS = ("none", "light", "full")
@@ -47,14 +45,24 @@ def setting(value: Any, meaning: str | type) -> Any:
     return field(default=value, metadata=told)
 
 
-def leaves(group: Any, name: str = "") -> Iterator[tuple[str, Any]]:
-    """Full names and values of all settings of a group, in their order."""
+class Setting(NamedTuple):
+    """A setting of a group, and what is said of it."""
+
+    name: str  # in full
+    value: Any
+    meaning: str | type  # a class: in its docstring
+    of_group: str | type  # what is said of the group that it is in
+
+
+def leaves(group: Any, name: str = "", of_group: str | type = "") -> Iterator[Setting]:
+    """All settings of a group, in their order; one without a meaning has that of its group."""
     for each in fields(group):
         value, path = getattr(group, each.name), f"{name}{each.name}"
+        meaning = each.metadata.get("meaning", of_group)
         if is_dataclass(value) and fields(value):
-            yield from leaves(value, f"{path}.")
+            yield from leaves(value, f"{path}.", meaning)
         else:
-            yield path, value
+            yield Setting(path, value, meaning, of_group)
 
 
 def settings_class(kind: type, null: tuple[str, ...] = ()) -> Any:
@@ -97,13 +105,6 @@ class StudySettings:
 #: its own, and so does a plugin.
 STUDIES: dict[str, tuple[type[StudySettings], Callable[[Any], Any]]] = {}
 
-WORLD = ("gait", "walker", "effects", "scene")
-SCENE = (*WORLD, "sand")
-SPACE = tuple(f"foot.{field.name}" for field in fields(Waypoints))
-SHAPE = ("foot.width", "foot.ankle", "foot.closed", "foot.top")
-SHAPE_SETTINGS = (*SHAPE, "foot.length", "foot.apex", "foot.upright")
-OUTLINE = tuple(f"foot.{name}" for name in ("path", "units", "scale", "layer", "toe", "origin"))
-
 
 @dataclass
 class OwnSettings(StudySettings):
@@ -111,24 +112,6 @@ class OwnSettings(StudySettings):
 
     name: str = ""
     own: Any = setting(None, "Settings of a plugin's study, by name.")
-
-
-@dataclass
-class SearchSettings(StudySettings):
-    """Settings of studies that search: they keep what they evaluate, and go on where they stopped."""
-
-    confirm: str | None = setting(
-        "fine", "Accuracy at which finalists are walked again; null: the search's, under no other law."
-    )
-    finalists: int = setting(20, "How many of the best are walked again, and by other laws; a front whole.")
-    store: str | None = setting(None, "File of designs that runs may share; null: one in the folder.")
-    reuse: bool = setting(False, "Whether to read what other code has walked from the store.")
-    reads = (*SCENE, *SPACE, "foot.shape", "foot.k", "accuracy", "objective", "solver", "engine")
-
-
-def searches(study: str) -> bool:
-    """Whether a study keeps what it evaluates and can go on where it stopped."""
-    return study in STUDIES and issubclass(STUDIES[study][0], SearchSettings)
 
 
 @dataclass
@@ -306,13 +289,14 @@ def study_kinds() -> list[type[StudySettings]]:
     return [StudySettings, OwnSettings, *(kind for kind, _ in STUDIES.values())]
 
 
-def known() -> dict[str, Any]:
-    """Full names and defaults of all settings, with those of every effect and every study."""
-    study: dict[str, Any] = {}
-    for name, value in (leaf for kind in study_kinds() for leaf in leaves(kind(), "study.")):
-        study.setdefault(name, value)
-    found = [study if name == "study.name" else {name: value} for name, value in leaves(everything())]
-    return {name: value for part in found for name, value in part.items()}
+def known() -> dict[str, Setting]:
+    """All settings by their full names, with their defaults: those of every effect and every study."""
+    study = [each for kind in study_kinds() for each in leaves(kind(), "study.")]
+    found: dict[str, Setting] = {}
+    for setting in leaves(everything()):
+        for each in study if setting.name == "study.name" else [setting]:
+            found.setdefault(each.name, each)
+    return found
 
 
 def structured(settings: Mapping[str, Any]) -> Any:

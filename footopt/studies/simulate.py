@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -20,36 +19,21 @@ from footopt.report.numbers import title
 from footopt.studies.audit import choose_effects
 from footopt.studies.base import (
     Study,
-    SweeperValue,
     foot_entry,
     scene_entry,
-    sweeper_value,
     validity_entry,
 )
 from footopt.studies.build import make_space, make_strides
 from footopt.studies.runs import foot_of
-from footopt.studies.settings import SCENE, StudySettings, setting
 from footopt.studies.validation.model import model_error
 from footopt.walk import OBJECTIVES, Walk, simulate
 from footopt.walk.phases import stance
 from footopt.walk.resolution import error_of, resolution
 from footopt.walk.validity import diagnose
 
-VIDEO = "Name of a film of the walk in the run's folder, .gif or .mp4 (needs ffmpeg); null: none."
 
-
-@dataclass
-class Settings(StudySettings):
-    """Walk with one foot: foot.k, a shape, a drawing, that of a run, or else the flat sole."""
-
-    name: str = "simulate"
-    run: str | None = setting(None, "Folder of the run whose foot is meant, in whose world it walks.")
-    video: str | None = setting(None, VIDEO)
-    reads = (*SCENE, "foot", "accuracy", "objective.names")
-
-
-def run(study: Study) -> SweeperValue:
-    """Walk with one foot and leave everything about the walk; returns the objectives of the settings."""
+def run(study: Study) -> dict[str, float]:
+    """Walk with one foot and leave everything about the walk; returns its values."""
     check_film(study)
     folder, k, accuracy = study.options.run, study.config.foot.k, study.accuracy
     foot = study.foot if folder is None else foot_of(Path(folder), k)
@@ -98,7 +82,7 @@ def run(study: Study) -> SweeperValue:
     terminal.print_validity(study.console, diagnostics)
     study.say(*notes)
     study.close()
-    return sweeper_value(study.config.objective.names, values)
+    return values
 
 
 def _undefined(walk: Walk, values: Mapping[str, float]) -> list[str]:

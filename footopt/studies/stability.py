@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -14,7 +14,7 @@ from footopt.foot import Foot
 from footopt.report import terminal
 from footopt.report.figures.tables import Cell, verdicts
 from footopt.studies.base import Study, foot_entry, scene_entry
-from footopt.studies.settings import OUTLINE, SCENE, SHAPE_SETTINGS, SPACE, Config, StudySettings, setting
+from footopt.studies.settings import Config
 from footopt.studies.stability_cases import CASES, Case
 from footopt.studies.stability_judges import Measure, Truth, find_truth, judge
 from footopt.walk import STEPPERS, Scene, Walk, simulate
@@ -32,16 +32,6 @@ CONTROL = 1e-3  # m/s, of the method under step control, where the settings have
 METHODS = {**{name: (name, False) for name in STEPPERS}, "sdirk2_control": ("sdirk2", True)}
 
 CAPTION = "Which method is stable in which case, with the measure that decides, as in the table."
-
-
-@dataclass
-class Settings(StudySettings):
-    """Which stepper stays stable in which hard case; every case starts from the settings."""
-
-    name: str = "stability"
-    cases: list[str] | None = setting(None, "Names of the cases; null: all.")
-    methods: list[str] | None = setting(None, "Names of the steppers that are tried; null: all.")
-    reads = (*SCENE, *SPACE, *SHAPE_SETTINGS, *OUTLINE, "foot.shape", "foot.k", "accuracy")
 
 
 class Verdict(NamedTuple):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from footopt.errors import check
@@ -12,19 +12,10 @@ from footopt.report import terminal
 from footopt.report.figures.validation import experiment, law_name, overview
 from footopt.report.numbers import number
 from footopt.studies.base import Study
-from footopt.studies.settings import StudySettings, setting
 from footopt.studies.validation.compare import AGREES, DIFFERS, OPEN, Comparison, experiments
 
 HEAD = ("experiment", "quantity", "law", "scale", "E rms", "E mean", "2 u", "verdict")
 WORDS = ("experiment", "quantity", "law", "verdict")
-
-
-@dataclass
-class Settings(StudySettings):
-    """Experiments on sand by other people, repeated: error, validation uncertainty, verdict."""
-
-    name: str = "validate"
-    cases: list[str] | None = setting(None, "Names of the experiments; null: all.")
 
 
 def run(study: Study) -> None:

@@ -39,7 +39,7 @@ def found(sweep):
 def halved(tmp_path_factory):
     """The folder of the same multirun, stopped before its second job."""
     cwd = tmp_path_factory.mktemp("halved")
-    run, count = cli_run.studies.run_study, 0
+    run, count = cli_run.run_study, 0
 
     def stop(*of):
         nonlocal count
@@ -49,7 +49,7 @@ def halved(tmp_path_factory):
         return run(*of)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("footopt.cli.run.studies.run_study", stop)
+        patch.setattr("footopt.cli.run.run_study", stop)
         done = footopt(*SWEEP, "hydra.sweep.dir=sweep", cwd=cwd)
     assert done.returncode == 130
     assert len(list(cwd.glob("sweep/*/result.json"))) == 1

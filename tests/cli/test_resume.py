@@ -156,7 +156,7 @@ class TestIdentity:
         (begun / ".hydra").mkdir()
         (begun / ".hydra" / "overrides.yaml").write_text("- plugins=[evil.py]\n")
         ran = []
-        monkeypatch.setattr("footopt.cli.run.studies.run_study", lambda *of: ran.append(of))
+        monkeypatch.setattr("footopt.cli.run.run_study", lambda *of: ran.append(of))
         assert footopt("resume=begun", cwd=tmp_path).returncode == 0
         assert (ran[0][0].plugins, ran[0][1]) == ([], begun)
         for change, says in (
@@ -247,7 +247,7 @@ class TestResume:
         (own / "sand" / "dune.yaml").write_text("name: dune\nzeta: 3.3\n")
         ours = "hydra:\n  searchpath: [file://CONF]\ndefaults: [config, {override sand: dune}, _self_]\n"
         (own / "own.yaml").write_text(ours.replace("CONF", str(CONF)) + "walker: {mass: 44.0}\n")
-        monkeypatch.setattr("footopt.cli.run.studies.run_study", lambda *of: ran.append(of))
+        monkeypatch.setattr("footopt.cli.run.run_study", lambda *of: ran.append(of))
         words = how.replace("MINE", str(own)).split()
         assert footopt(*words, *QUICK, "hydra.run.dir=run", cwd=tmp_path).returncode == 0
         config, folder, settings, *_ = ran[0]
@@ -325,7 +325,7 @@ def test_files_of_a_run_are_found_from_another_folder(tmp_path, monkeypatch):
     for place in (there, here):
         place.mkdir()
     ran = []
-    monkeypatch.setattr("footopt.cli.run.studies.run_study", lambda *of: ran.append(of))
+    monkeypatch.setattr("footopt.cli.run.run_study", lambda *of: ran.append(of))
     words = ["gait=file", 'gait.path="Größe.mot"', "plugins=[mine.py,a.module]", "hydra.run.dir=run"]
     assert footopt(*words, cwd=there).returncode == 0
     config, folder, settings, *_ = ran[0]

@@ -23,8 +23,10 @@ from footopt.design import Solver, make_executor
 from footopt.effects import EFFECTS
 from footopt.errors import FootoptError, SettingError
 from footopt.sand import MEDIA
-from footopt.studies import build, studies_that_read
+from footopt.studies import build
+from footopt.studies.meanings import check_values, studies_that_read
 from footopt.studies.robust import make_scenarios
+from footopt.studies.runs import run_study
 from footopt.studies.settings import Config, known
 from footopt.walk import PRESETS
 
@@ -189,11 +191,11 @@ def used(*overrides):
     )
     config = composed("accuracy=draft", *words, *overrides)
     study, engine = config.study, config.engine
-    build.check_values(config)
+    check_values(config)
     if study.name not in studies.STUDIES or (
         engine.name != "local" and study.name not in ("optimize", "robust")
     ):
-        studies.run_study(config, None, {})
+        run_study(config, None, {})
     scene, accuracy = build.make_scene(config), build.make_accuracy(config.accuracy)
     foot = build.make_foot(config.foot)
     solver = Solver(**vars(config.solver))
@@ -249,7 +251,7 @@ HUGE = [
 def test_what_would_take_years_or_all_memory_is_refused_at_once(study, word, tmp_path):
     words = (f"study={study}", *(["study.scenarios=drawn"] if study == "robust" else []))
     with pytest.raises(SettingError) as caught:
-        studies.run_study(composed("accuracy=draft", *words, word), tmp_path, {})
+        run_study(composed("accuracy=draft", *words, word), tmp_path, {})
     allowed = ("accuracy.dt", "scene.t_f") if word.startswith(("scene.t_f", "gait.period")) else ()
     assert any(name in str(caught.value) for name in (word.partition("=")[0], *allowed))
     assert not list(tmp_path.glob("*.json"))
@@ -258,7 +260,7 @@ def test_what_would_take_years_or_all_memory_is_refused_at_once(study, word, tmp
 @pytest.mark.parametrize("word", ["foot.length=nan", "foot.block=[nan]"])
 def test_a_number_that_is_none_is_refused_where_nothing_reads_it_too(word, tmp_path):
     with pytest.raises(SettingError, match=rf"{word.partition('=')[0]} = "):
-        studies.run_study(composed("study=doctor", word), tmp_path, {})
+        run_study(composed("study=doctor", word), tmp_path, {})
 
 
 def test_reference_directions_for_very_many_are_refused():

@@ -16,15 +16,14 @@ from shapely import Polygon
 from study_pages import check_page, data_of
 
 import footopt as fo
-from footopt import studies
 from footopt.errors import FileError, SettingError
 from footopt.files.feet import FORMATS
 from footopt.files.outline import MIN_WALL, body_outline, closed_contour
 from footopt.files.soles import lines_of
 from footopt.foot import SHAPES
 from footopt.report import figures
-from footopt.studies import export as study
-from footopt.studies.runs import foot_of
+from footopt.studies import Export
+from footopt.studies.runs import foot_of, run_study
 from footopt.studies.settings import Config, FootConfig
 
 heights = st.lists(st.integers(1, 10), min_size=4, max_size=15)
@@ -165,8 +164,8 @@ class TestStudy:
         exported.mkdir()
         result = {"design": {"k": [4] * 11, "name": "flat"}, "settings": {"foot": asdict(FootConfig())}}
         (run / "result.json").write_text(json.dumps(result))
-        config = Config(study=study.Settings(run=str(run)), foot=FootConfig(block=[0.06, 0.02]))
-        studies.run_study(config, exported, {})
+        config = Config(study=Export(run=str(run)), foot=FootConfig(block=[0.06, 0.02]))
+        run_study(config, exported, {})
         check_page(exported)
         page = data_of(exported)
         (table,) = page["tables"]

@@ -12,7 +12,7 @@ import footopt as fo
 from footopt.design import Evaluator, Store, search
 from footopt.design.certificate import MOST, certified, neighbours
 from footopt.design.solvers.moves import shifts
-from footopt.studies import run_study
+from footopt.studies.runs import run_study
 
 FINER = fo.Accuracy(dt=5e-3, plates=40)
 EVERY = np.array(list(product(range(1, 5), repeat=5)))

@@ -9,8 +9,9 @@ from study_pages import leave_job
 import footopt as fo
 from footopt.errors import FileError, SettingError
 from footopt.files import identity
-from footopt.studies import run_study
-from footopt.studies.compare import Settings, run_folders
+from footopt.studies import Compare
+from footopt.studies.compare import run_folders
+from footopt.studies.runs import run_study
 from footopt.studies.settings import Config
 
 
@@ -36,7 +37,7 @@ def runs(tmp_path, walks):
 
 def compare(folder, *patterns):
     folder.mkdir()
-    run_study(Config(study=Settings(runs=list(patterns))), folder, {})
+    run_study(Config(study=Compare(runs=list(patterns))), folder, {})
 
 
 def test_a_table_a_file_and_a_page(runs, capsys):

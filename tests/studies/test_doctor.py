@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import footopt as fo
-from footopt import studies
 from footopt.errors import FootoptError
-from footopt.studies import doctor
+from footopt.studies import Doctor, doctor
+from footopt.studies.runs import run_study
 from footopt.studies.settings import Config
 from footopt.walk.reference import LIMITS, PUBLISHED, RAMP
 
@@ -18,7 +18,7 @@ ROOT = Path(fo.__file__).parent.parent
 
 
 def examine(folder):
-    studies.run_study(Config(study=doctor.Settings()), folder, {})
+    run_study(Config(study=Doctor()), folder, {})
 
 
 def test_the_readme_says_what_the_walk_is_held_to():

@@ -8,6 +8,7 @@ from study_pages import check_page
 
 from footopt import studies
 from footopt.errors import SettingError
+from footopt.studies.runs import run_study
 
 PLUGIN = """
 from dataclasses import dataclass
@@ -35,14 +36,15 @@ MADE = ("versions", "commit", "machine", "wall_time_s", "wall_time_covers")  # h
 
 def test_it_is_found_by_its_name(tmp_path, capsys, monkeypatch):
     unrender(monkeypatch)
-    monkeypatch.setattr(studies, "STUDIES", dict(studies.STUDIES))
+    monkeypatch.setitem(studies.STUDIES, "hollow", None)  # what the plugin adds goes at the end
+    del studies.STUDIES["hollow"]
     (tmp_path / "hollow_study.py").write_text(PLUGIN)
     monkeypatch.syspath_prepend(tmp_path)
     words = ("foot.k=[5,8,9,8,5,4,4,2,2,3,4]", f"plugins=[{tmp_path / 'hollow_study.py'}]")
     with pytest.raises(SettingError, match=r"study\.name = 'hollow': must be one of optimize"):
-        studies.run_study(composed("study=own", "study.name=hollow"), tmp_path, {})
+        run_study(composed("study=own", "study.name=hollow"), tmp_path, {})
     own = composed("study=own", "study.name=hollow", "study.own={times: 2e3}", *words)
-    studies.run_study(own, tmp_path, {"any": 1})
+    run_study(own, tmp_path, {"any": 1})
     check_page(tmp_path)
     result = json.loads((tmp_path / "result.json").read_text())
     assert list(result) == ["study", "hollow", "settings", *MADE]

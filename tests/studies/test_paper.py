@@ -14,11 +14,12 @@ from study_pages import check_page
 import footopt as fo
 from footopt.errors import SettingError
 from footopt.foot import SHAPES
+from footopt.studies import Paper
 from footopt.studies.base import Study
 from footopt.studies.build import make_effects
 from footopt.studies.paper import VERDICTS, judge, run, walks
 from footopt.studies.paper.claims import CLAIMS
-from footopt.studies.paper.walks import CHOICES, Settings, changes, evidence, make_shapes
+from footopt.studies.paper.walks import CHOICES, changes, evidence, make_shapes
 from footopt.studies.settings import Config
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -28,7 +29,7 @@ SMALL = {"study__confirm": "draft", "accuracy__name": "draft", "solver__pop_size
 
 class TestChoices:
     def test_one_at_a_time_is_made_otherwise_than_the_settings(self):
-        default = dict(changes(Config(study=Settings())))
+        default = dict(changes(Config(study=Paper())))
         assert len(default) == sum(len(words.split()) - 1 for words in CHOICES.values())
         own = dict(changes(config(foot__width=0.05, study__cases=["foot.width", "effects"])))
         assert list(own) == ["foot.width=0.1", "foot.width=0.15", "effects=leading_edge", "effects=shadowing"]

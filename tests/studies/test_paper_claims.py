@@ -13,9 +13,10 @@ from paper_cases import HOLLOW, ROCKER, config
 import footopt as fo
 from footopt.design import Solver, search
 from footopt.foot import SHAPES
+from footopt.studies import Paper
 from footopt.studies.paper import claims, walks
 from footopt.studies.paper.claims import CLAIMS, LIMITS, MEASURES, measure
-from footopt.studies.paper.walks import SANDS, Settings, objective, read, switch_losses
+from footopt.studies.paper.walks import SANDS, objective, read, switch_losses
 from footopt.walk.phases import stance
 
 STORED = json.loads((Path(__file__).parents[2] / "outputs/reference/paper/claims.json").read_text())
@@ -55,11 +56,11 @@ def failed():
 
 class TestReadings:
     def test_the_library_s_own_change_nothing_and_narrower_ones_find_less(self, walk):
-        assert read(walk, Settings()).objectives == walk.objectives
-        losses = [read(walk, Settings(speed_loss=name)).objectives["speed_loss"] for name in walks.SPEED_LOSS]
+        assert read(walk, Paper()).objectives == walk.objectives
+        losses = [read(walk, Paper(speed_loss=name)).objectives["speed_loss"] for name in walks.SPEED_LOSS]
         assert losses == sorted(losses, reverse=True)
         assert losses[-1] > 0.0
-        single = read(walk, Settings(peak_power="single")).objectives["peak_power"]
+        single = read(walk, Paper(peak_power="single")).objectives["peak_power"]
         assert 0.0 < single <= walk.objectives["peak_power"]
 
     @pytest.mark.parametrize("name", walks.SPEED_LOSS)
@@ -77,11 +78,11 @@ class TestReadings:
 
     def test_a_failed_walk_has_no_readings(self, failed):
         assert math.isnan(
-            read(failed, Settings(peak_power="single", speed_loss="window")).objectives["efficiency"]
+            read(failed, Paper(peak_power="single", speed_loss="window")).objectives["efficiency"]
         )
         assert np.isnan(switch_losses(failed, "walk")).all()
 
-    @pytest.mark.parametrize("chosen", [Settings(), Settings(peak_power="single", speed_loss="narrow")])
+    @pytest.mark.parametrize("chosen", [Paper(), Paper(peak_power="single", speed_loss="narrow")])
     def test_a_search_ranks_by_what_is_read(self, chosen):
         problem = fo.FootProblem(scene("hard"), objective(chosen), accuracy="draft")
         result = search(problem, Solver("ga", pop_size=8, n_gen=1, seed=1))

@@ -7,7 +7,9 @@ from hydra.errors import ConfigCompositionException
 from running import composed
 
 from footopt.errors import SettingError
-from footopt.studies import READ_BY_FOOT, STUDIES, build, check_read
+from footopt.foot import SHAPES
+from footopt.studies import STUDIES, build
+from footopt.studies.meanings import check_read
 from footopt.studies.settings import known
 
 #: Other values of settings that are no numbers.
@@ -36,7 +38,7 @@ def walked(config):
     )
 
 
-@pytest.mark.parametrize("shape", [shape for shape in READ_BY_FOOT if shape != "outline"])
+@pytest.mark.parametrize("shape", ["waypoints", *SHAPES])
 def test_of_a_walk_every_setting_counts_or_is_refused(shape):
     plain = composed("study=simulate", f"foot={shape}")
     base = walked(plain)

@@ -10,11 +10,11 @@ from running import composed, footopt, unrender
 from study_pages import check_page
 
 import footopt as fo
-from footopt import studies
 from footopt.design.scenarios import sands
 from footopt.errors import FootoptError, SettingError
 from footopt.files.gaits import read_strides
 from footopt.studies.build import make_spread
+from footopt.studies.runs import run_study
 from footopt.walk.accuracy import PRESETS
 from footopt.walk.ladder import numerics
 
@@ -73,7 +73,7 @@ class TestStudy:
         config = composed(*BRIEF, "study.scenarios=drawn", "study.draws=3", "study.measure=tail",
                           "solver=nsga2",
                           "objective.names=[distance,efficiency]")  # fmt: skip
-        studies.run_study(config, tmp_path, {})
+        run_study(config, tmp_path, {})
         check_page(tmp_path)
         result = json.loads((tmp_path / "result.json").read_text())
         assert list(result["feet"]) == ["draw 1", "draw 2", "draw 3", "median scene", "robust"]
@@ -112,11 +112,11 @@ class TestStudy:
     )
     def test_what_cannot_be_is_refused(self, setting, message, tmp_path):
         with pytest.raises(SettingError, match=message):
-            studies.run_study(composed(*BRIEF, setting), tmp_path, {})
+            run_study(composed(*BRIEF, setting), tmp_path, {})
         assert not (tmp_path / "result.json").exists()
 
     def test_a_search_that_finds_nothing_says_where(self, tmp_path):
         with pytest.raises(FootoptError, match="draw 1: No feasible design"):
-            studies.run_study(
+            run_study(
                 composed(*BRIEF, "study.scenarios=drawn", "study.draws=3", "sand.zeta=1e-3"), tmp_path, {}
             )

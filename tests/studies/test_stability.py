@@ -10,7 +10,7 @@ from study_pages import check_page
 
 import footopt as fo
 from footopt.errors import SettingError
-from footopt.studies import stability, stability_judges
+from footopt.studies import Stability, stability, stability_judges
 from footopt.studies.settings import Config
 from footopt.studies.stability import judge_case
 from footopt.studies.stability_cases import CASES
@@ -106,9 +106,9 @@ class TestStudy:
 
     def test_an_unknown_case_or_stepper_is_refused(self):
         for setting, value in (("cases", ["flying"]), ("methods", ["leapfrog"]), ("cases", [])):
-            config = Config(study=stability.Settings())
+            config = Config(study=Stability())
             setattr(config.study, setting, value)
             with pytest.raises(SettingError, match=rf"study\.{setting} = "):
                 stability.chosen(config)
-        cases, methods = stability.chosen(Config(study=stability.Settings()))
+        cases, methods = stability.chosen(Config(study=Stability()))
         assert (cases, methods) == (list(CASES), list(stability.METHODS))

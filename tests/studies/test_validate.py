@@ -14,12 +14,12 @@ from running import composed, unrender
 from study_pages import check_page
 
 import footopt as fo
-from footopt import studies
 from footopt.effects import EFFECTS
 from footopt.errors import SettingError
 from footopt.report import terminal
 from footopt.report.numbers import number
 from footopt.sand import alpha
+from footopt.studies.runs import run_study
 from footopt.studies.validate import cells
 from footopt.studies.validation import model, rig
 from footopt.studies.validation.compare import AGREES, DIFFERS, OPEN, UNITS, Comparison, experiments
@@ -189,7 +189,7 @@ class TestStudy:
     def test_it_leaves_a_page_a_table_and_a_figure_for_each_experiment(self, tmp_path, capsys, monkeypatch):
         unrender(monkeypatch)
         settings = composed("study=validate", "study.cases=[growth,friction]")
-        studies.run_study(settings, tmp_path, {})
+        run_study(settings, tmp_path, {})
         check_page(tmp_path)
         result = json.loads((tmp_path / "result.json").read_text())
         assert sum(result["counts"].values()) == len(result["comparisons"]) == 2
@@ -204,4 +204,4 @@ class TestStudy:
 
     def test_an_experiment_that_is_not_there_is_refused(self, tmp_path):
         with pytest.raises(SettingError, match=r"study\.cases = 'moon': must be one of wheel"):
-            studies.run_study(composed("study=validate", "study.cases=[moon]"), tmp_path, {})
+            run_study(composed("study=validate", "study.cases=[moon]"), tmp_path, {})

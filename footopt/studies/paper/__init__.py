@@ -17,10 +17,10 @@ from footopt.report.numbers import number
 from footopt.studies.base import Study, foot_entry, scene_entry
 from footopt.studies.build import check_searchable
 from footopt.studies.paper.claims import CLAIMS, measure
-from footopt.studies.paper.walks import SANDS, Evidence, Settings, changes, evidence
+from footopt.studies.paper.walks import SANDS, Evidence, changes, evidence
 from footopt.walk import FIVE, OBJECTIVES, Walk, simulate
 
-__all__ = ["Settings", "run"]
+__all__ = ["run"]
 
 Entry = Mapping[str, Any]
 CAPTION = "Every claim: whether it holds at the settings, and with each open choice made otherwise."

@@ -17,8 +17,9 @@ from footopt.effects import EFFECTS
 from footopt.errors import check
 from footopt.foot import SHAPES, Foot, lower_hull
 from footopt.sand import Sand
+from footopt.studies import Paper
 from footopt.studies.build import make_accuracy, make_foot, make_scene, make_space
-from footopt.studies.settings import SHAPE_SETTINGS, SPACE, WORLD, Config, StudySettings, setting
+from footopt.studies.settings import Config
 from footopt.walk import OBJECTIVES, Walk, simulate
 from footopt.walk.accuracy import resolve
 from footopt.walk.objectives import SLOW
@@ -53,26 +54,6 @@ CHOICES = {
 }
 
 
-@dataclass
-class Settings(StudySettings):
-    """The paper's study from nothing: its figures, and its claims judged one by one."""
-
-    name: str = "paper"
-    cases: list[str] | None = setting(
-        None, "Names of what the paper leaves open, such as foot.apex; null: all; []: none."
-    )
-    shape_sand: str = setting("regular", "Sand on which the paper's five shapes walk.")
-    mount: str = setting("centre", "Where the shank meets a shape: its centre, or its top.")
-    peak_power: str = setting(
-        "stance", "When p_max is taken: stance, at any instant of it; single, while one foot stands."
-    )
-    speed_loss: str = setting(
-        "walk", "When dV_x is taken: walk, all of it; window, narrow: 1/4, 1/8 stride about strikes."
-    )
-    confirm: str | None = setting("fine", "Accuracy of the walks that claims are measured on.")
-    reads = (*WORLD, *SPACE, *SHAPE_SETTINGS, "foot.shape", "foot.k", "accuracy", "solver")
-
-
 def changed(config: Config, choice: str, value: Any) -> Config:
     """The settings with one of them changed, or one more effect; those given are left alone."""
     if choice == "effects":
@@ -93,7 +74,7 @@ def changes(config: Config) -> Iterator[tuple[str, Config]]:
                 yield f"{choice}={word}", changed(config, choice, level)
 
 
-def objective(study: Settings) -> str:
+def objective(study: Paper) -> str:
     """Name of J_W with p_max and dV_x as they are read; any but the library's own needs every trace."""
     if (study.peak_power, study.speed_loss) == ("stance", "walk"):
         return "efficiency"
@@ -104,7 +85,7 @@ def objective(study: Settings) -> str:
     return name
 
 
-def read(walk: Walk, study: Settings) -> Walk:
+def read(walk: Walk, study: Paper) -> Walk:
     """The walk with p_max and dV_x, which the paper does not define, as the settings read them.
 
     "single" counts p_max only while the other foot carries less than `LIFTED` of the weight; "narrow" is a
