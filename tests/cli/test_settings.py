@@ -233,36 +233,3 @@ def test_any_value_of_any_setting_is_used_or_refused_by_its_name(name, value):
     assert not said or any(part in said for part in (name, name.rpartition(".")[2], name.partition(".")[0]))
     assert "unexpected" not in said
     assert len(said) < 1500
-
-
-#: What would take years or all memory.
-HUGE = [
-    ("effects", "study.feet=1000000000"), ("robust", "study.draws=1000000000"),
-    ("optimize", "study.finalists=1000000000"),
-    ("optimize", "solver.pop_size=1000000000"), ("optimize", "solver.n_gen=1000000000"),
-    ("simulate", "accuracy.dt=1e-8"), ("simulate", "accuracy.plates=1000000000"),
-    ("simulate", "scene.t_f=1e6"), ("simulate", "gait.period=1e6"), ("simulate", "foot.n=1000000"),
-    ("optimize", "foot.K=1000000000000"), ("optimize", "engine.threads=1000000000"),
-    ("paper", "foot.length=1e9"), ("robust", "study.spread.zeta=1e9"), ("simulate", "sand.spread=2"),
-]  # fmt: skip
-
-
-@pytest.mark.parametrize(("study", "word"), HUGE, ids=lambda name: name)
-def test_what_would_take_years_or_all_memory_is_refused_at_once(study, word, tmp_path):
-    words = (f"study={study}", *(["study.scenarios=drawn"] if study == "robust" else []))
-    with pytest.raises(SettingError) as caught:
-        run_study(composed("accuracy=draft", *words, word), tmp_path, {})
-    allowed = ("accuracy.dt", "scene.t_f") if word.startswith(("scene.t_f", "gait.period")) else ()
-    assert any(name in str(caught.value) for name in (word.partition("=")[0], *allowed))
-    assert not list(tmp_path.glob("*.json"))
-
-
-@pytest.mark.parametrize("word", ["foot.length=nan", "foot.block=[nan]"])
-def test_a_number_that_is_none_is_refused_where_nothing_reads_it_too(word, tmp_path):
-    with pytest.raises(SettingError, match=rf"{word.partition('=')[0]} = "):
-        run_study(composed("study=doctor", word), tmp_path, {})
-
-
-def test_reference_directions_for_very_many_are_refused():
-    with pytest.raises(SettingError, match=r"solver\.pop_size = 5000: must be at most 1000"):
-        Solver("nsga3", 5000).build(5)

@@ -94,11 +94,6 @@ class TestOutline:
         assert area(body) == pytest.approx(0.26 * 0.04)
         assert sides(body).min() > 1e-6
 
-    @pytest.mark.parametrize("block", [(0.3, 0.02), (0.06, 0.0), (-0.1, 0.1), (0.06,), (0.06, float("nan"))])
-    def test_with_a_block_that_does_not_fit_is_refused(self, block):
-        with pytest.raises(SettingError, match=r"foot\.block = .*must be"):
-            body_outline(fo.Foot.flat(), block)
-
     def test_that_crosses_itself_is_refused_with_the_place(self):
         curl = np.array([[-0.1, -0.02], [0.1, -0.02], [0.1, 0.02], [0.05, 0.02], [0.05, -0.01]])
         with pytest.raises(SettingError, match=r"foot\.top = .*Self-intersection\[0\.05 0\.02\]"):

@@ -7,7 +7,6 @@ import pytest
 from shapely import Polygon
 
 import footopt as fo
-from footopt.errors import SettingError
 from footopt.files.outline import closed_contour
 from footopt.foot import as_plates
 
@@ -47,12 +46,6 @@ def test_a_population_and_a_foot_have_the_same_plates():
         as_plates([K, K], 48, "arc", space, directed=True, fill=SHADES.reshape), alone, strict=True
     ):
         np.testing.assert_array_equal(a[1], b[0])
-
-
-def test_open_and_closed_feet_do_not_mix():
-    feet = [fo.Foot.from_waypoints(K), fo.Foot.from_waypoints(K, closed=True)]
-    with pytest.raises(SettingError, match=r"foot\.closed"):
-        fo.evaluate(feet)
 
 
 def test_sides_and_top_carry_where_they_are_in_the_sand(flat_foot):

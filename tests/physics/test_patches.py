@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from footopt.effects import Patches, laws
 from footopt.effects import base as effects
 from footopt.effects.dual import Dual
-from footopt.errors import SettingError
 
 
 class TestPatches:
@@ -44,12 +43,6 @@ class TestPatchesTogether:
         assert strength.max() < max(1.0, factors.max()) + 1e-12
         ahead, behind = (effects.load(law, 1.0, x + s) for s in (d, -d))
         np.testing.assert_allclose((ahead - behind) / (2 * d), slide, rtol=0, atol=1e-3 * np.abs(slide).max())
-
-    def test_patches_that_overlap_are_refused(self):
-        with pytest.raises(
-            SettingError, match=r"effects\.patches\.begins = 0\.5: must be at or beyond the end at 0\.6 m"
-        ):
-            Patches((0.3, 0.5), (0.6, 0.9), (0.3, 0.3))
 
     @pytest.mark.parametrize("width", [0.002, 0.02, 0.05, 0.3])
     def test_a_patch_keeps_its_integral_however_narrow_it_is(self, width):

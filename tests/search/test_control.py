@@ -67,26 +67,6 @@ class TestOperators:
         de = [search(problem(), "de", operators=o, **BUDGET).k.tolist() for o in (None, {"F": 0.9})]
         assert de[0] != de[1]
 
-    @pytest.mark.parametrize(
-        ("name", "given", "said"),
-        [
-            ("ga", {"CR": 0.5}, "one of crossover_prob"),
-            ("memetic", {"crossover_eta": 3.0}, "left out with solver=memetic"),
-            ("de", {"F": -1.0}, r"solver\.operators\.F = -1\.0"),
-            ("de", {"CR": 50}, r"solver\.operators\.CR = 50: must be a number from 0 to 1"),
-            ("ga", {"mutation_prob": 90}, r"mutation_prob = 90: must be a number from 0 to 1"),
-        ],
-    )
-    def test_those_that_a_solver_does_not_have_are_refused(self, name, given, said):
-        with pytest.raises(SettingError, match=said):
-            Solver(name, operators=given).build(1)
-
-
-def test_progress_true_counts_the_batches_of_an_enumeration(capsys):
-    found = search(problem(), "exhaustive", True, pop_size=50)
-    count = len(found.history)
-    assert f"generation {count}/{count}," in capsys.readouterr().err
-
 
 def test_progress_true_shows_a_line(capsys):
     search(problem(), "ga", True, **BUDGET)

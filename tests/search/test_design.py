@@ -146,16 +146,6 @@ class TestSearch:
         with pytest.raises(SettingError, match="one objective"):
             search(problem(), "nsga2")
 
-    @pytest.mark.parametrize(
-        ("setting", "value"),
-        [("name", "sa"), ("pop_size", 3), ("n_gen", 0), ("seed", -1), ("walks", 0)],
-    )
-    def test_bad_budgets_are_named(self, setting, value):
-        with pytest.raises(SettingError, match=rf"solver\.{setting} = {value!r}"):
-            Solver(**{setting: value})
-        with pytest.raises(SettingError, match=r"generations = 3: must be one of walks, pop_size, n_gen"):
-            search(problem(), generations=3)
-
     def test_a_maximised_single_objective(self):
         r = search(problem("distance"), "ga", pop_size=10, n_gen=4, seed=1)
         assert r.column("distance")[r.best] == r.column("distance")[r.feasible].max()

@@ -17,7 +17,7 @@ from searching import assert_same, problem, stop_after
 
 import footopt as fo
 from footopt.design import executor, make_executor, search
-from footopt.errors import EngineError, FootoptError, SettingError
+from footopt.errors import EngineError, FootoptError
 
 BUDGET = {"pop_size": 16, "n_gen": 6, "seed": 3}
 
@@ -95,26 +95,6 @@ def test_walks_that_raise_are_left_out_and_tried_again(tmp_path, caplog, monkeyp
     monkeypatch.setattr(Fragile, "walk", lambda self, k: 1 / 0)
     with pytest.raises(FootoptError, match=r"All 16 designs .* error: ZeroDivisionError: division by zero"):
         search(problem(kind=Fragile), "ga", **BUDGET)
-
-
-@pytest.mark.parametrize(
-    ("settings", "words"),
-    [
-        ({"name": "mpi"}, "engine = 'mpi': must be one of local, processes, dask"),
-        ({"workers": 2}, "engine.workers = 2: must be null"),
-        ({"name": "processes", "workers": 0}, "engine.workers = 0: must be a whole number from 1"),
-        ({"name": "dask"}, "engine.address = None: must be that of a scheduler"),
-        ({"name": "dask", "address": "node7:8786"}, "engine.address = 'node7:8786'"),
-        (
-            {"name": "dask", "address": "tcp://a:1", "timeout": 0.0},
-            "engine.timeout = 0.0: must be a time > 0",
-        ),
-    ],
-)
-def test_settings_that_do_not_fit_are_refused(settings, words):
-    with pytest.raises(SettingError) as error:
-        make_executor(**settings)
-    assert words in str(error.value)
 
 
 @pytest.mark.slow

@@ -74,21 +74,6 @@ class TestLimits:
         j = kept.column("efficiency")
         assert j[kept.best] == j[good].min() >= free.column("efficiency")[free.best]
 
-    def test_unknown_ones_are_refused(self):
-        with pytest.raises(SettingError, match="constraint = 'colour'"):
-            fo.FootProblem(limits={"colour": 1.0})
-        for limit in (math.nan, "much"):
-            with pytest.raises(SettingError, match=rf"constraint\.work = {limit!r}"):
-                fo.FootProblem(limits={"work": limit})
-
-    @pytest.mark.parametrize(("name", "limit"), [("peak_power", -3), ("hollow", math.inf)])
-    def test_those_that_no_walk_could_keep_are_refused(self, name, limit):
-        with pytest.raises(SettingError, match=rf"constraint\.{name} = {limit}: must be a number >= 0"):
-            fo.FootProblem(limits={name: limit})
-        with pytest.raises(SettingError, match=rf"choose\.limits\.{name} = {limit}: must be a number >= 0"):
-            fo.FootProblem(objective=["distance", name], choose=Choice("limits", limits={name: limit}))
-        fo.FootProblem(limits={name: 0.0, "efficiency": -1e-4, "distance": -1.0, "ankle_depth": -0.01})
-
 
 class TestChoice:
     """One design of a front is the answer, by what one asks for and never by J_W unasked."""

@@ -73,13 +73,6 @@ class TestScenarios:
         assert same.scene == fo.Scene()
         assert same.space(SMALL) == SMALL
 
-    @pytest.mark.parametrize(("name", "value"), [("zeta", -0.1), ("mass", np.inf)])
-    def test_a_bad_spread_is_refused(self, name, value):
-        with pytest.raises(SettingError, match=rf"study\.spread\.{name} = "):
-            fo.Spread(**{name: value})
-        with pytest.raises(SettingError, match=r"study\.draws = 0"):
-            fo.draw(fo.Scene(), fo.Spread(), 0)
-
 
 VALUES = arrays(float, (5, 3), elements=st.floats(-1e3, 1e3))
 

@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from random_scenes import draw, judge
 
 import footopt as fo
-from footopt.errors import SettingError
 from footopt.walk.accuracy import PRESETS, TOLERANCES
 from footopt.walk.ladder import SHARE, Rung, changed, climb, ladder, numbers_at, numerics
 
@@ -147,17 +146,6 @@ class TestNumbers:
         truth = fo.evaluate(k, regular, fo.Accuracy("sdirk2", 1e-3, 400, 1e-5)).values
         found = fo.evaluate(k, regular, of).values
         assert np.median(np.abs(found / truth - 1.0).max(axis=1)) < of.error
-
-    def test_that_cannot_be_are_refused(self):
-        for error in (0.0, 1e-9, 1.0, math.nan):
-            with pytest.raises(SettingError, match=r"accuracy\.tolerance"):
-                fo.Tolerance(error)
-        with pytest.raises(SettingError, match=r"accuracy\.plates"):
-            fo.Tolerance(plates=1)
-        for plates in (24.0, True, "24"):
-            with pytest.raises(SettingError, match=r"accuracy\.plates = .*: must be a whole number"):
-                fo.Accuracy(plates=plates)
-        assert fo.Accuracy(plates=np.int64(24)) == fo.Accuracy(plates=24)
 
 
 @pytest.mark.slow

@@ -10,10 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import footopt as fo
-from footopt.errors import SettingError
 from footopt.walk import FIVE, OBJECTIVES, gain_shares
 from footopt.walk.metrics import RAW, Four, hermite, hermite_extreme, no_extremes, peak, updated
-from footopt.walk.objectives import FLOORS, by_name, lookup
+from footopt.walk.objectives import FLOORS, by_name
 
 STRIKE = 1.1  # s, the first heel strike
 
@@ -169,31 +168,6 @@ class TestTable:
         assert np.isfinite(table.column("work")).all()  # what costs nothing is there unasked
         with pytest.raises(KeyError, match=f"{name}.* distance, thickness.*work"):
             table.column(name)
-
-    def test_a_walk_without_a_heel_strike_is_not_compared(self, ramp_foot):
-        short = fo.Scene(t_f=1.0)
-        with pytest.raises(SettingError, match=r"scene\.t_f = 1\.0: must be later than .* at 1\.1 s"):
-            fo.evaluate([ramp_foot], short)
-        walk = fo.simulate(ramp_foot, short)
-        assert walk.feasible
-        assert math.isnan(walk.objectives["peak_power"])
-        assert walk.objectives["distance"] > 0
-
-
-class TestLookup:
-    @pytest.mark.parametrize(
-        ("names", "message"),
-        [
-            ([], r"objective\.names = \[\]: must be one or more of distance"),
-            (["speed"], r"objective\.names = 'speed': must be made of distance, mean_height"),
-            (["work", "work"], r"objective\.names = \['work', 'work'\]: must be free of repetitions"),
-        ],
-    )
-    def test_impossible_choices_are_refused(self, names, message, ramp_foot):
-        with pytest.raises(SettingError, match=message):
-            lookup(names)
-        with pytest.raises(SettingError, match=message):
-            fo.evaluate([ramp_foot], objectives=names)
 
 
 class TestHermite:

@@ -1,0 +1,189 @@
+"""The table of bad inputs: each is refused by the name of its setting and its value, and leaves nothing."""
+
+import math
+import re
+from functools import partial
+
+import numpy as np
+import pytest
+from running import composed, footopt, program
+
+import footopt as fo
+from footopt import studies
+from footopt.design import Choice, Solver, make_executor
+from footopt.errors import SettingError
+from footopt.files.outline import body_outline
+from footopt.walk.objectives import lookup
+
+#: Words of a command, and what the message names.
+COMMANDS = {
+    # names and choices that are not there
+    "sand=quicksand": "sand = 'quicksand'",
+    "sand=2.5": "sand.zeta=2.5",
+    "snad=soft": "sand=soft",
+    "seed=3": "solver.seed=3",
+    "+sand.density=1600": "sand.density",
+    "constraint.speed=3": "constraint.speed_loss=3",
+    "effects.slope.angle=5": "effects=slope effects.slope.angle=5",
+    "effects=slope effects.slope.zeta=5": "effects.slope.zeta",
+    "foot.L=${foot.hight}": "foot.hight",
+    # words that cannot be read
+    "sand soft": "sand",
+    "optimize": "study=optimize",
+    "=5": "=5",
+    "sand=soft,hard": "sand=soft,hard",
+    "effects=slope,inertia": "effects=[slope,inertia]",
+    "foot.k=[1, 2, 3]": "foot.k=[1,",
+    "gait.path=Größe(1).mot": "gait.path=\"'Größe(1).mot'\"",
+    "resume=": "resume = ''",
+    # values of another kind
+    "sand.zeta=loose": "sand.zeta = 'loose'",
+    "sand.zeta=2,5": "sand.zeta = '2,5'",
+    "solver.n_gen=2.5": "solver.n_gen = '2.5'",
+    "study=robust study.reuse=maybe": "study.reuse = 'maybe'",
+    "foot.k=5": "foot.k = '5'",
+    # values that the library refuses
+    "sand.zeta=0": "sand.zeta = 0",
+    "study.confirm=fien": "'fien'",
+    "report=some": "report = 'some'",
+    "study=simulate foot.k=[1,2,3]": "foot.k = [1, 2, 3]",
+    "study=validate study.cases=[Wheel]": "study.cases = 'Wheel'",
+    "solver=ga objective=pareto": "solver = 'ga'",
+    "gait=file": "gait.path = None",
+    "gait=file gait.path=broken.csv": "gait.path = 'broken.csv'",
+    "study=export": "run = None",
+    "foot=outline foot.path=sole.dxf": "foot = 'outline'",
+    "constraint.own={colour:9}": "constraint = 'colour'",
+    "choose=limits objective=pareto": "choose.limits",
+    # settings that nothing reads
+    "study=simulate foot.length=.18": "foot.length = 0.18",
+    "study.draws=3": "study.draws",
+    "study=simulate solver.n_gen=3": "solver.n_gen = 3",
+    "engine.timeout=3": "engine.timeout = 3",
+    "study=doctor planet=moon": "walker.g = 1.62",
+    "study=doctor foot.length=nan": "foot.length = nan",
+    "choose=knee": "choose.name = 'knee'",
+}
+
+
+@pytest.mark.parametrize("arguments", COMMANDS)
+def test_a_command_that_is_refused_names_setting_and_value_and_leaves_nothing(arguments, tmp_path):
+    (tmp_path / "broken.csv").write_text("time,hip\n0,1\n")
+    done = footopt(*arguments.split(" "), cwd=tmp_path)
+    assert done.returncode == 1
+    assert done.stderr.startswith("footopt: error: ")
+    assert done.stderr.count("\n") == 1
+    assert COMMANDS[arguments] in done.stderr
+    assert "unexpected" not in done.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["broken.csv"]
+
+
+def test_a_process_ends_with_the_message_and_its_exit_code(tmp_path):
+    done = program("sand.zeta=0", cwd=tmp_path)
+    assert (done.returncode, done.stderr.count("\n")) == (1, 1)
+    assert done.stderr.startswith("footopt: error: sand.zeta = 0")
+
+
+@pytest.mark.parametrize("place", ["results", "..", ".", "results/deep"])
+def test_a_refused_run_removes_no_folder_that_was_there(place, tmp_path):
+    """Not even one with nothing in it but folders and links."""
+    here = tmp_path / "above" / "here"
+    for folder in ("results/empty", "results/deep", "linked"):
+        (here / folder).mkdir(parents=True)
+    (here / "results" / "link").symlink_to(here / "linked")
+    before = sorted(tmp_path.rglob("*"))
+    done = footopt("study=simulate", "foot.width=-1", f"hydra.run.dir={place}", cwd=here)
+    assert "foot.width" in done.stderr
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+#: What would take years or all memory.
+HUGE = [
+    ("effects", "study.feet=1000000000"), ("robust", "study.draws=1000000000"),
+    ("optimize", "study.finalists=1000000000"),
+    ("optimize", "solver.pop_size=1000000000"), ("optimize", "solver.n_gen=1000000000"),
+    ("simulate", "accuracy.dt=1e-8"), ("simulate", "accuracy.plates=1000000000"),
+    ("simulate", "scene.t_f=1e6"), ("simulate", "gait.period=1e6"), ("simulate", "foot.n=1000000"),
+    ("optimize", "foot.K=1000000000000"), ("optimize", "engine.threads=1000000000"),
+    ("paper", "foot.length=1e9"), ("robust", "study.spread.zeta=1e9"), ("simulate", "sand.spread=2"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("study", "word"), HUGE, ids=lambda name: name)
+def test_what_would_take_years_or_all_memory_is_refused_at_once(study, word, tmp_path):
+    words = (f"study={study}", *(["study.scenarios=drawn"] if study == "robust" else []))
+    with pytest.raises(SettingError) as caught:
+        studies.run_study(composed("accuracy=draft", *words, word), tmp_path, {})
+    allowed = ("accuracy.dt", "scene.t_f") if word.startswith(("scene.t_f", "gait.period")) else ()
+    assert any(name in str(caught.value) for name in (word.partition("=")[0], *allowed))
+    assert not list(tmp_path.glob("*.json"))
+
+
+def each(group, make, **values):
+    """A setting of a group and a call with a value of it, for each value."""
+    return [(f"{group}.{name}", partial(make, **{name: value})) for name in values for value in values[name]]
+
+
+def several(setting, make, *values):
+    """The same of a setting that a call takes by its place."""
+    return [(setting, partial(make, value)) for value in values]
+
+
+def built(solver, **operators):
+    return Solver(solver, operators=operators).build(1)
+
+
+def chosen(limit):
+    return fo.FootProblem(objective=["distance", "hollow"], choose=Choice("limits", limits={"hollow": limit}))
+
+
+FLAT, CIRCLE = fo.Foot.flat(), fo.Foot.shape("circle", closed=True)
+NOT_ABOVE_ZERO = (0.0, -1.0, math.nan, math.inf)
+SHORT = fo.Scene(t_f=0.5)
+#: Settings, and calls of the library with a value that each cannot have.
+LIBRARY = [
+    *each("accuracy", fo.Accuracy, stepper=["leapfrog"], rule=["square"], dt=[0.0, 1.5, math.nan]),
+    *each("accuracy", fo.Accuracy, plates=[1, 50.0, True, "24"], creep=NOT_ABOVE_ZERO),
+    *several("accuracy.tolerance", fo.Tolerance, 0.0, 1e-9, 1.0, math.nan),
+    *each("walker", fo.Walker, mass=NOT_ABOVE_ZERO, l1=NOT_ABOVE_ZERO, l2=NOT_ABOVE_ZERO, g=NOT_ABOVE_ZERO),
+    *each("scene", fo.Scene, t_f=NOT_ABOVE_ZERO),
+    *several("scene.t_f", partial(fo.evaluate, [FLAT]), SHORT),
+    *each("effects.inertia", fo.Inertia, factor=[-1.0, math.nan], rho=[-1.0, math.nan]),
+    *each("effects.slope", fo.Slope, angle=[30.0, -25.1, math.nan]),
+    *several("effects.layers.depths", lambda at: fo.Layers(at, (1.0,) * len(at)), (), (0.0,), (0.05, 0.02)),
+    *several("effects.layers.factors", lambda f: fo.Layers((0.02,), f), (1.0, 2.0), (0.0,), (math.nan,)),
+    *several("effects.patches.ends", lambda end: fo.Patches((0.2,), end, (2.0,)), (), (0.1,), (math.inf,)),
+    *several("effects.patches.begins", lambda at: fo.Patches((0.3, at), (0.6, 0.9), (0.3, 0.3)), 0.5),
+    *several("effects.patches.factors", lambda f: fo.Patches((0.1,), (0.2,), f), (), (-1.0,)),
+    *each("effects.patches", fo.Patches, blur=[0.0, math.nan]),
+    *several("effects", lambda two: fo.Scene(effects=two), (fo.Slope(1.0), fo.Slope(2.0))),
+    *several("foot.closed", fo.evaluate, [FLAT, CIRCLE]),
+    *each("foot", partial(fo.Foot, FLAT.contour), top=[math.nan]),
+    *several("foot.block", partial(body_outline, FLAT), (0.3, 0.02), (0.06, 0.0), (-0.1, 0.1), (0.06,)),
+    *several("objective.names", lookup, [], ["speed"], ["work", "work"]),
+    *each("solver", Solver, name=["sa"], pop_size=[3], n_gen=[0], seed=[-1], walks=[0], seconds=[0]),
+    *several("solver.operators", lambda name: built("ga", **{name: 0.5}), "CR", "F"),
+    *each("solver.operators", partial(built, "de"), F=[-1.0], CR=[50]),
+    *each("solver.operators", partial(built, "ga"), mutation_prob=[90]),
+    *several("solver.pop_size", lambda size: Solver("nsga3", size).build(5), 5000),
+    *several("constraint", lambda name: fo.FootProblem(limits={name: 1.0}), "colour"),
+    *several("constraint.work", lambda limit: fo.FootProblem(limits={"work": limit}), math.nan, "much"),
+    *several("constraint.hollow", lambda limit: fo.FootProblem(limits={"hollow": limit}), -3, math.inf),
+    *several("choose.limits.hollow", chosen, -3, math.inf),
+    *several("engine", make_executor, "mpi"),
+    *each("engine", partial(fo.evaluate, [FLAT]), threads=[0]),
+    *each("engine", partial(make_executor, "processes"), workers=[0]),
+    *each("engine", partial(make_executor, "dask"), address=[None, "node7:8786"]),
+    *each("engine", partial(make_executor, "dask", address="tcp://a:1"), timeout=[0.0]),
+    *each("study.spread", fo.Spread, zeta=[-0.1], mass=[math.inf]),
+    *several("study.draws", partial(fo.draw, fo.Scene(), fo.Spread()), 0),
+    *several("scene.t_f", lambda s: fo.RobustProblem([s], references=np.ones(1)), fo.Scenario("a", SHORT)),
+]
+
+
+@pytest.mark.parametrize("row", range(len(LIBRARY)), ids=lambda row: f"{LIBRARY[row][0]}-{row}")
+def test_the_library_names_the_setting_of_a_value_that_cannot_be(row):
+    setting, call = LIBRARY[row]
+    with pytest.raises(SettingError, match=rf"^{re.escape(setting)} = ") as caught:
+        call()
+    assert caught.value.setting == setting
