@@ -12,7 +12,10 @@ import pytest
 from hypothesis import settings
 
 import footopt as fo
+from footopt.design.solvers import SINGLE, SOLVERS
+from footopt.effects import EFFECTS
 from footopt.files import io
+from footopt.walk.objectives import OBJECTIVES, SLOW
 from footopt.walk.reference import RAMP
 
 # a shell that starts the tests in the background has them ignore Ctrl-C, and what they start inherits that
@@ -65,6 +68,22 @@ def walk(scene, ramp_foot):
 @pytest.fixture(scope="session")
 def fine_walk(scene, ramp_foot):
     return fo.simulate(ramp_foot, scene, fo.Accuracy("sdirk2", 2e-4, 400, 1e-5))
+
+
+@pytest.fixture
+def clean():
+    """What plugins register is forgotten after the test, and so are their modules."""
+    registries = (OBJECTIVES, SLOW, SOLVERS, EFFECTS)
+    kept = [dict(registry) for registry in registries]
+    single, modules, places = list(SINGLE), set(sys.modules), list(sys.path)
+    yield
+    for registry, before in zip(registries, kept, strict=True):
+        registry.clear()
+        registry.update(before)
+    SINGLE[:], sys.path[:] = single, places
+    for name in set(sys.modules) - modules:
+        if "site-packages" not in str(getattr(sys.modules[name], "__file__", "")) and "." not in name:
+            del sys.modules[name]
 
 
 @cache

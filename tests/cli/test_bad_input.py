@@ -9,10 +9,10 @@ import pytest
 from running import composed, footopt, program
 
 import footopt as fo
-from footopt import studies
 from footopt.design import Choice, Solver, make_executor
 from footopt.errors import SettingError
 from footopt.files.outline import body_outline
+from footopt.studies.runs import run_study
 from footopt.walk.objectives import lookup
 
 #: Words of a command, and what the message names.
@@ -82,6 +82,8 @@ def test_a_process_ends_with_the_message_and_its_exit_code(tmp_path):
     done = program("sand.zeta=0", cwd=tmp_path)
     assert (done.returncode, done.stderr.count("\n")) == (1, 1)
     assert done.stderr.startswith("footopt: error: sand.zeta = 0")
+    done = program("--version", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (0, f"footopt {fo.__version__}\n")
 
 
 @pytest.mark.parametrize("place", ["results", "..", ".", "results/deep"])
@@ -113,7 +115,7 @@ HUGE = [
 def test_what_would_take_years_or_all_memory_is_refused_at_once(study, word, tmp_path):
     words = (f"study={study}", *(["study.scenarios=drawn"] if study == "robust" else []))
     with pytest.raises(SettingError) as caught:
-        studies.run_study(composed("accuracy=draft", *words, word), tmp_path, {})
+        run_study(composed("accuracy=draft", *words, word), tmp_path, {})
     allowed = ("accuracy.dt", "scene.t_f") if word.startswith(("scene.t_f", "gait.period")) else ()
     assert any(name in str(caught.value) for name in (word.partition("=")[0], *allowed))
     assert not list(tmp_path.glob("*.json"))

@@ -1,10 +1,8 @@
-"""Sweeps: what jobs return to Hydra's sweepers and callbacks, and what is made of all of them."""
+"""Sweeps: what jobs return to Hydra, what is made of all of them, and how a stopped one is finished."""
 
 import csv
 import json
-import sys
-from pathlib import Path
-from unittest.mock import MagicMock
+import shutil
 
 import pytest
 import yaml
@@ -12,17 +10,23 @@ from hydra.experimental.callback import Callback
 from running import footopt
 
 import footopt as fo
-from footopt.report.summary import fronts
-from footopt.report.summary import read as read_run
+from footopt.cli import run as cli_run
+from footopt.files import identity
 
 #: A walk with one foot, of which only the numbers are kept.
 WALK = ["study=simulate", "accuracy=draft", "report=none"]
 
 
 def read(path):
-    """The rows of a table."""
+    """The rows of a table, without what took how long."""
     with open(path, newline="") as file:
-        return list(csv.DictReader(file))
+        return [{k: v for k, v in row.items() if "time" not in k} for row in csv.DictReader(file)]
+
+
+def result_of(folder):
+    """What a job has found, without how long it took."""
+    result = json.loads((folder / "result.json").read_text())
+    return {name: value for name, value in result.items() if not name.endswith("time_s")}
 
 
 class Listener(Callback):
@@ -41,21 +45,6 @@ def listening(*arguments, cwd):
     return done, list(Listener.heard)
 
 
-class TestAJobReturns:
-    def test_its_objective_or_a_tuple_with_natural_signs(self, tmp_path):
-        done, heard = listening(*WALK, cwd=tmp_path)
-        assert done.returncode == 0, done.stderr
-        walk = fo.simulate(fo.Foot.flat(), fo.Scene(), "draft").objectives
-        assert heard == [walk["efficiency"]]
-        _, heard = listening(*WALK, "objective.names=[distance,work]", cwd=tmp_path)
-        assert heard == [(walk["distance"], walk["work"])]
-
-    def test_the_worst_where_it_or_its_walk_failed_so_that_a_sweeper_goes_on(self, failing):
-        heard = failing[1]
-        assert heard[:3] == [1e6] * 3
-        assert heard[3] < 1e6
-
-
 @pytest.fixture(scope="module")
 def failing(tmp_path_factory):
     """A sweep of four jobs, of which one walks: what came of it, what its callbacks heard, and its folder."""
@@ -67,128 +56,131 @@ def failing(tmp_path_factory):
     return done, heard, cwd / "sweep"
 
 
-@pytest.mark.slow
-def test_the_example_of_a_callback_makes_each_job_a_run_of_mlflow(tmp_path, monkeypatch):
-    """With a module in MLflow's place that writes down how it is called."""
-    fake = MagicMock()
-    monkeypatch.setitem(sys.modules, "mlflow", fake)
-    monkeypatch.syspath_prepend(Path(__file__).parents[2] / "examples")
-    words = ["foot.width=-1,0.1", "+hydra.callbacks.mine._target_=mlflow_callback.MLflow"]
-    footopt("-m", *WALK, *words, "hydra.sweep.dir=sweep", cwd=tmp_path)
-    assert [call.kwargs["run_name"] for call in fake.start_run.call_args_list] == ["0", "1"]
-    fake.end_run.assert_called_once_with("FAILED")
-    logged = [call.args[0] for call in fake.log_params.call_args_list]
-    assert [given["foot.width"] for given in logged if "foot.width" in given] == [-1, 0.1]
-    kept = json.loads((tmp_path / "sweep/1/result.json").read_text())["objectives"]
-    assert fake.log_metrics.call_args.args[0] == {n: v for n, v in kept.items() if v is not None}
-
-
-class TestReport:
-    """How much a job leaves."""
-
-    @pytest.mark.parametrize(
-        ("study", "more", "tiny"),
-        [("optimize", "full", ("solver.pop_size=4", "solver.n_gen=2")), ("simulate", "light", ())],
-    )
-    def test_none_leaves_the_numbers_and_what_a_run_is_resumed_from(self, study, more, tiny, tmp_path):
-        """They are those of a longer report, in less than 100 kB."""
-        left, found = {}, {}
-        for report in ("none", more):
-            words = (f"study={study}", "accuracy=draft", f"report={report}", f"hydra.run.dir={report}")
-            done = footopt(*tiny, *words, cwd=tmp_path)
-            assert done.returncode == 0, done.stderr
-            left[report] = {p.name: p.stat().st_size for p in (tmp_path / report).rglob("*") if p.is_file()}
-            found[report] = json.loads((tmp_path / report / "result.json").read_text())
-        assert sum(left["none"].values()) < 1e5
-        assert {"result.json", "contour.csv"} <= set(left["none"])
-        assert not {"report.html", "walk.nc", "contour.stl", "designs.csv"} & set(left["none"])
-        assert ("designs.sqlite" in left["none"]) == (study == "optimize")
-        assert {"report.html", "walk.nc", "contour.stl"} <= set(left[more])
-        assert ("step.png" in left[more]) == any(".png" in name for name in left[more]) == (more == "full")
-        for name in ("design", "objectives", "error_estimate", "validity"):
-            assert found["none"][name] == found[more][name]
-
-
-@pytest.mark.slow
-class TestSummary:
-    """Many runs in one table: a column for each setting that differs, seeds summarised, fronts compared."""
-
-    TINY = ("accuracy=draft", "report=none", "foot.n=5", "solver.pop_size=8", "solver.n_gen=2")
-
-    @pytest.fixture(scope="class")
-    @staticmethod
-    def sweep(tmp_path_factory):
-        """Two solvers with three seeds each, and the rows of their summary."""
-        folder = tmp_path_factory.mktemp("fronts")
-        words = ["objective.names=[distance,work]", "solver.name=nsga2,smsemoa", "solver.seed=1,2,3"]
-        done = footopt("-m", *TestSummary.TINY, *words, "hydra.sweep.dir=sweep", cwd=folder)
+class TestJobs:
+    def test_return_their_objectives_with_natural_signs(self, tmp_path):
+        done, heard = listening(*WALK, "objective.names=[distance,work]", cwd=tmp_path)
         assert done.returncode == 0, done.stderr
-        return done, folder / "sweep"
+        walk = fo.simulate(fo.Foot.flat(), fo.Scene(), "draft").objectives
+        assert heard == [(walk["distance"], walk["work"])]
 
-    def test_each_setting_that_differs_has_a_column_and_no_other(self, sweep):
-        rows = read(sweep[1] / "summary.csv")
-        assert [(row["solver.name"], row["solver.seed"]) for row in rows] == [
-            (name, str(seed)) for name in ("nsga2", "smsemoa") for seed in (1, 2, 3)
-        ]
-        assert "sand.zeta" not in rows[0]
-        for row in rows:
-            result = json.loads((sweep[1] / row["run"] / "result.json").read_text())
-            assert float(row["work"]) == result["objectives"]["work"]
-            assert float(row["wall_time_s"]) == result["wall_time_s"]
-            assert int(float(row["warnings"])) == len(result["warnings"])
-            assert 0 <= float(row["hypervolume_share"]) <= 1
+    def test_return_the_worst_where_they_failed_so_that_a_sweeper_goes_on(self, failing):
+        heard = failing[1]
+        assert heard[:3] == [1e6] * 3
+        assert heard[3] < 1e6
 
-    def test_seeds_are_summarised_by_median_and_quartiles(self, sweep):
-        rows, groups = read(sweep[1] / "summary.csv"), read(sweep[1] / "seeds.csv")
-        assert [(g["solver.name"], g["seeds"]) for g in groups] == [("nsga2", "3"), ("smsemoa", "3")]
-        for group in groups:
-            own = sorted(float(r["work"]) for r in rows if r["solver.name"] == group["solver.name"])
-            assert float(group["work_median"]) == own[1]
-            assert own[0] <= float(group["work_q1"]) <= own[1] <= float(group["work_q3"]) <= own[2]
-        assert "over seeds" in sweep[0].stdout
-
-    def test_fronts_are_drawn_over_each_other(self, sweep):
-        ((rows, shares, _),) = fronts([read_run(sweep[1] / str(i)) for i in range(6)])
-        assert rows == list(range(6))
-        assert 0 < min(shares) <= max(shares) <= 1
-        assert (sweep[1] / "figures" / "fronts.png").exists()
-
-    def test_every_job_has_its_settings_and_why_it_failed_wherever_its_folder_is(self, failing):
+    def test_have_their_settings_and_why_they_failed_in_a_table(self, failing):
         done, _, sweep = failing
         rows = {row["run"]: row for row in read(sweep / "summary.csv")}
-        assert list(rows["on_-1.0_5.0"]) == list(rows["on_0.1_5.0"])
         assert {name: (row["foot.width"], row["sand.zeta"]) for name, row in rows.items()} == {
             f"on_{width}_{zeta}": (str(width), str(zeta)) for width in (-1.0, 0.1) for zeta in (0.001, 5.0)
         }
         assert "foot.width = -1" in rows["on_-1.0_5.0"]["note"]
-        assert rows["on_0.1_0.001"]["note"] == "sunk"
-        assert not rows["on_0.1_5.0"]["note"]
+        assert [rows[f"on_0.1_{zeta}"]["note"] for zeta in (0.001, 5.0)] == ["sunk", ""]
         assert (sweep / "report.html").is_file()
         assert "3 of the jobs failed" in done.stderr  # two that are refused, and a walk that sinks
 
-    def test_one_seed_each_is_no_spread(self, failing):
-        assert "over seeds" not in failing[0].stdout
-        assert not (failing[2] / "seeds.csv").exists()
+    def test_leave_their_numbers_alone_where_no_report_is_wanted(self, tmp_path):
+        """They are those of a longer report, in less than 100 kB."""
+        left, found = {}, {}
+        for report in ("none", "full"):
+            words = ["accuracy=draft", "solver.pop_size=4", "solver.n_gen=2", f"report={report}"]
+            done = footopt(*words, f"hydra.run.dir={report}", cwd=tmp_path)
+            assert done.returncode == 0, done.stderr
+            left[report] = {p.name: p.stat().st_size for p in (tmp_path / report).rglob("*") if p.is_file()}
+            found[report] = result_of(tmp_path / report)
+        assert sum(left["none"].values()) < 1e5
+        assert {"result.json", "contour.csv", "designs.sqlite"} <= set(left["none"])
+        assert not {"report.html", "walk.nc", "contour.stl", "designs.csv"} & set(left["none"])
+        for name in ("design", "objectives", "error_estimate", "validity"):
+            assert found["none"][name] == found["full"][name]
 
 
 @pytest.mark.slow
-class TestOptuna:
+def test_seeds_are_summarised_by_median_and_quartiles(tmp_path):
+    words = ["accuracy=draft", "report=none", "foot.n=5", "solver.pop_size=8", "solver.n_gen=2"]
+    words += ["objective.names=[distance,work]", "solver.name=nsga2,smsemoa", "solver.seed=1,2,3"]
+    done = footopt("-m", *words, "hydra.sweep.dir=sweep", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    rows, groups = (read(tmp_path / "sweep" / f"{name}.csv") for name in ("summary", "seeds"))
+    assert "sand.zeta" not in rows[0]  # it does not differ
+    for row in rows:
+        result = result_of(tmp_path / "sweep" / row["run"])
+        assert float(row["work"]) == result["objectives"]["work"]
+        assert 0 <= float(row["hypervolume_share"]) <= 1
+    assert [(g["solver.name"], g["seeds"]) for g in groups] == [("nsga2", "3"), ("smsemoa", "3")]
+    for group in groups:
+        own = sorted(float(r["work"]) for r in rows if r["solver.name"] == group["solver.name"])
+        assert float(group["work_median"]) == own[1]
+        assert own[0] <= float(group["work_q1"]) <= own[1] <= float(group["work_q3"]) <= own[2]
+    assert (tmp_path / "sweep" / "figures" / "fronts.png").exists()
+
+
+@pytest.mark.slow
+def test_a_sweep_that_was_stopped_is_finished_by_one_command(tmp_path):
+    """What it has walked is not walked again, and a job that failed is tried again."""
+    sweep = ["-m", *WALK, "sand.zeta=0.2,0.5,1.0", "hydra.sweep.dir=sweep"]
+    assert footopt(*sweep[:-1], "hydra.sweep.dir=whole", cwd=tmp_path).returncode == 0
+    run, count = cli_run.run_study, 0
+
+    def stop(*of):
+        nonlocal count
+        count += 1
+        if count == 2:
+            raise KeyboardInterrupt
+        return run(*of)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("footopt.cli.run.run_study", stop)
+        assert footopt(*sweep, cwd=tmp_path).returncode == 130
+    stopped, whole = tmp_path / "sweep", tmp_path / "whole"
+    assert len(list(stopped.glob(f"*/{identity.FILE}"))) == 3
+    spoilt = shutil.copytree(stopped, tmp_path / "spoilt")
+    before = {path: path.stat().st_mtime_ns for path in stopped.rglob("0/*")}
+    assert footopt(*sweep, "scene=brisk", cwd=tmp_path).returncode == 1  # another one takes no folder of it
+    assert footopt("resume=sweep", "sand=soft", cwd=tmp_path).returncode == 1
+    done = footopt("resume=sweep", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert {path: path.stat().st_mtime_ns for path in before} == before
+    assert [result_of(stopped / job) for job in "012"] == [result_of(whole / job) for job in "012"]
+    assert read(stopped / "summary.csv") == read(whole / "summary.csv")
+    settings, words, _ = identity.read(spoilt / "2")
+    settings["foot"]["width"] = -1.0
+    identity.write(spoilt / "2", settings, words)
+    assert footopt("resume=spoilt", cwd=tmp_path).returncode == 1
+    assert "foot.width = -1.0" in (spoilt / "2" / "error.txt").read_text()
+
+
+@pytest.mark.slow
+def test_a_launcher_s_jobs_find_what_they_find_here(tmp_path):
+    pytest.importorskip("hydra_plugins.hydra_submitit_launcher", reason="needs footopt[submitit]")
+    for launcher in ("basic", "submitit_local"):
+        words = [
+            "-m",
+            f"hydra/launcher={launcher}",
+            *WALK,
+            "sand.zeta=5,0.001",
+            f"hydra.sweep.dir={launcher}",
+        ]
+        done = footopt(*words, cwd=tmp_path)
+        assert done.returncode == 1  # nobody walks on sand of zeta 0.001
+        assert "1 of the jobs failed" in done.stderr
+    here, there = (result_of(tmp_path / launcher / "0") for launcher in ("basic", "submitit_local"))
+    assert here == there
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::FutureWarning")
+def test_optuna_finds_the_widest_foot_to_go_farthest(tmp_path):
     """Hydra's own sweeper of settings, as it is."""
-
-    @pytest.fixture(autouse=True)
-    def needs(self):
-        pytest.importorskip("hydra_plugins.hydra_optuna_sweeper", reason="needs footopt[optuna]")
-
-    @pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::FutureWarning")
-    def test_finds_the_widest_foot_to_go_farthest(self, tmp_path):
-        sweeper = ["hydra/sweeper=optuna", "hydra.sweeper.n_trials=6", "hydra.sweeper.n_jobs=1",
-                   "hydra.sweeper.sampler.seed=1", "hydra.sweeper.direction=maximize"]  # fmt: skip
-        words = ["foot.width=interval(0.05,0.15)", "objective.names=[distance]", "sand=soft"]
-        done = footopt("-m", *sweeper, *WALK, *words, "hydra.sweep.dir=sweep", cwd=tmp_path)
-        assert done.returncode == 0, done.stderr
-        found = yaml.safe_load((tmp_path / "sweep" / "optimization_results.yaml").read_text())
-        jobs = [json.loads(path.read_text()) for path in (tmp_path / "sweep").glob("*/result.json")]
-        values = {job["settings"]["foot"]["width"]: job["objectives"]["distance"] for job in jobs}
-        assert len(values) == 6
-        assert found["best_value"] == max(values.values())
-        assert found["best_params"]["foot.width"] == max(values, key=values.get)
+    pytest.importorskip("hydra_plugins.hydra_optuna_sweeper", reason="needs footopt[optuna]")
+    sweeper = ["hydra/sweeper=optuna", "hydra.sweeper.n_trials=6", "hydra.sweeper.n_jobs=1",
+               "hydra.sweeper.sampler.seed=1", "hydra.sweeper.direction=maximize"]  # fmt: skip
+    words = ["foot.width=interval(0.05,0.15)", "objective.names=[distance]", "sand=soft"]
+    done = footopt("-m", *sweeper, *WALK, *words, "hydra.sweep.dir=sweep", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    found = yaml.safe_load((tmp_path / "sweep" / "optimization_results.yaml").read_text())
+    jobs = [result_of(path.parent) for path in (tmp_path / "sweep").glob("*/result.json")]
+    values = {job["settings"]["foot"]["width"]: job["objectives"]["distance"] for job in jobs}
+    assert len(values) == 6
+    assert found["best_value"] == max(values.values())
+    assert found["best_params"]["foot.width"] == max(values, key=values.get)

@@ -2,13 +2,13 @@
 
 import importlib.util
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from every_effect import DOWN, LAYERS
-from feet_in_sand import blade, force
 from numba.core.caching import NullCache
 
+import footopt as fo
 from footopt.effects import laws
 from footopt.errors import SettingError
 from footopt.walk.loop import walk_designs
@@ -51,11 +51,19 @@ def own(tmp_path_factory):
 
 
 class TestAnEffectOfOnesOwn:
-    @pytest.mark.slow
-    def test_acts_in_the_kernel_on_top_of_the_others(self, own):
-        speed, state = 0.5, (blade(0.0), DOWN, 0.0, -0.5)
-        added = force(*state, LAYERS, own.Damp(), z=-0.03) - force(*state, LAYERS, z=-0.03)
-        np.testing.assert_allclose(added, [0.0, 2000.0 * speed * 0.016**2], rtol=1e-9, atol=1e-12)
+    @pytest.mark.slow  # of compiling
+    def test_acts_in_a_walk_as_an_exact_pressure(self, own, flat_foot):
+        """What the plates of a damped walk feel is the law and rate v_n dA, by the trace."""
+        scene = fo.Scene(effects=(own.Damp(),), t_f=0.2)
+        walk = fo.simulate(flat_foot, scene, fo.Accuracy("explicit_euler", 1e-3))
+        states = walk.plates(np.arange(len(walk.t)))
+        np.testing.assert_allclose(states.total, walk.force, rtol=0, atol=1e-9 * np.abs(walk.force).max())
+        plain = replace(walk, scene=fo.Scene(t_f=0.2)).plates(np.arange(len(walk.t)))
+        wet = np.clip(-states.position[..., 1] / 1e-6, 0.0, 1.0)
+        pressed = 2000.0 * np.sum(-states.velocity[..., 1] * wet, axis=-1) * 0.026 / states.force.shape[2]
+        added = states.total[..., 1] - plain.total[..., 1]
+        np.testing.assert_allclose(added, pressed, rtol=0, atol=1e-9 * np.abs(pressed).max())
+        assert np.abs(pressed).max() > 0.1  # N
 
     def test_is_never_kept_on_disk(self, own):
         """Compiled code there cannot outlive an effect that was edited, nor reach a process without it."""
