@@ -27,6 +27,7 @@ Axes = Any  # matplotlib.axes.Axes
 
 COLUMN, PAGE = 3.4, 7.0  # widths, inches
 DPI = 200
+DATES = {"png": "Software", "pdf": "CreationDate", "svg": "Date"}  # metadata that would differ each time
 
 GREY, PALE = "0.55", "0.92"
 #: Of lines and points that have no role: none of these is a role's colour.
@@ -83,13 +84,19 @@ def new_figure(width: float, height: float) -> Figure:
     return figure
 
 
+def lay_out(figure: Figure) -> None:
+    """Have a figure's layout place its axes, without the time of a drawing."""
+    if (engine := figure.get_layout_engine()) is not None:
+        engine.execute(figure)
+
+
 def fit_height(figure: Figure, column: Sequence[Axes]) -> None:
     """Make a figure as high as the axes of its first column need at equal scales and full width."""
     equal = [axes for axes in figure.axes if axes.get_aspect() == 1.0]
     for axes in equal:
         axes.set_aspect("auto")  # the layout leaves no room for the labels of axes that shrink
     for _ in range(2):  # each pass of the layout moves things a little
-        figure.draw_without_rendering()
+        lay_out(figure)
     more = 0.0
     for axes in (axes for axes in column if axes in equal):
         box, (left, right), (low, high) = axes.get_window_extent(), axes.get_xlim(), axes.get_ylim()
@@ -97,26 +104,28 @@ def fit_height(figure: Figure, column: Sequence[Axes]) -> None:
     figure.set_figheight(figure.get_figheight() + more / figure.dpi)
     for axes in equal:
         axes.set_aspect("equal")
-    figure.draw_without_rendering()
+    lay_out(figure)
 
 
 @styled()
-def save(figure: Figure, folder: str | Path, name: str, svg: bool = False) -> tuple[Path, Path]:
-    """Write a figure as NAME.png (200 dpi) and NAME.pdf, and as SVG for a page, into a folder.
+def save(
+    figure: Figure, folder: str | Path, name: str, formats: Sequence[str] = ("png", "pdf")
+) -> tuple[Path, ...]:
+    """Write a figure as NAME.png (200 dpi), NAME.pdf or NAME.svg into a folder: the paths of its `formats`.
 
     The same figure gives the same bytes. Raises `FileError` where a file cannot be written.
     """
     folder = Path(folder)
     with suppress(OSError):  # `write_bytes` says where it cannot write
         folder.mkdir(parents=True, exist_ok=True)
-    figure.draw_without_rendering()
+    lay_out(figure)
     figure.set_layout_engine(None)  # all files have the same layout
-    dates = {"png": "Software", "pdf": "CreationDate"} | ({"svg": "Date"} if svg else {})
-    for ending, date in dates.items():
+    paths = tuple(folder / f"{name}.{ending}" for ending in formats)
+    for path, ending in zip(paths, formats, strict=True):
         file = io.BytesIO()  # matplotlib's errors on a full disk are of many kinds
-        figure.savefig(file, format=ending, dpi=DPI, metadata={date: None})
-        write_bytes(folder / f"{name}.{ending}", file.getvalue())
-    return folder / f"{name}.png", folder / f"{name}.pdf"
+        figure.savefig(file, format=ending, dpi=DPI, metadata={DATES[ending]: None})
+        write_bytes(path, file.getvalue())
+    return paths
 
 
 @styled()

@@ -111,7 +111,7 @@ def compare(folder: Path, folders: Sequence[Path]) -> int:
     for i, (rows, shares, figure) in enumerate(found):
         whole.loc[rows, "hypervolume_share"] = shares
         if len(rows) > 1:
-            picture, _ = save(figure, folder / "figures", f"fronts_{i + 1}" if i else "fronts")
+            (picture,) = save(figure, folder / "figures", f"fronts_{i + 1}" if i else "fronts", ["png"])
             out.print(f"Fronts side by side: {picture}", soft_wrap=True)
     values = whole.drop(columns=["folder", *{name for run in runs for name in run.settings}])
     whole = pandas.concat([pandas.Series(names, name="run"), settings, values], axis=1)

@@ -82,7 +82,7 @@ class Study:
     @property
     def wants_figures(self) -> bool:
         """Whether figures are wanted."""
-        return self.config.report == "full"
+        return self.config.report in ("full", "print")
 
     @property
     def wants_report(self) -> bool:
@@ -170,10 +170,11 @@ class Study:
         files.write_csv(self.folder / name, pandas.DataFrame(list(rows), columns=list(header), dtype=object))
 
     def save(self, name: str, figure: Any, caption: str = "") -> None:
-        """Save a figure as PNG and PDF if wanted; with a caption also as SVG, on the page of `conclude`."""
+        """Save a figure as PNG if wanted, and as PDF to print; with a caption as SVG for `conclude`."""
         if not self.wants_figures:
             return
-        figures.save(figure, self.folder / "figures", name, svg=bool(caption))
+        formats = ["png"] + ["pdf"] * (self.config.report == "print") + ["svg"] * bool(caption)
+        figures.save(figure, self.folder / "figures", name, formats)
         if caption:
             self._captions[name] = caption
 

@@ -79,7 +79,7 @@ def run(study: Study) -> dict[str, float]:
     if study.wants_report and options.confirm:
         with study.compiling("a walk for each law"):
             flat_k = np.full(problem.space.n, problem.space.K)
-            changes = ranks.rank_changes(problem, finalists, flat_k, config.sand.spread)
+            changes = ranks.rank_changes(problem.at(finer), finalists, flat_k, config.sand.spread)
 
     if study.wants_report:
         files.write_csv(study.folder / "designs.csv", result.columns)

@@ -16,6 +16,7 @@ from footopt.design import FootProblem
 from footopt.design.scenarios import Scenario, harder_and_softer, plausible_laws
 from footopt.report.numbers import percent
 from footopt.walk import Scene, evaluate
+from footopt.walk.ladder import numerics
 from footopt.walk.objectives import relative_change
 
 Ints = NDArray[np.int64]
@@ -53,11 +54,13 @@ def alternative_laws(scene: Scene, spread: float) -> list[Scenario]:
 def rank_changes(problem: FootProblem, finalists: Ints, flat: Ints, spread: float) -> list[RankChange]:
     """Evaluate finalists (designs, n), the best one first, and the flat sole (n,) under every other law.
 
-    `spread` is a standard deviation of the logarithm of zeta.
+    `spread` is a standard deviation of the logarithm of zeta. All walk with the numbers that the
+    scene's own law takes: to find other ones would take longer than these walks.
     """
+    numbers = numerics(problem.accuracy, problem.scene, problem.space)
     feet, alternatives = np.concatenate([finalists, flat[None]]), alternative_laws(problem.scene, spread)
     own, *others = (
-        evaluate(feet, scene, problem.accuracy, problem.record, problem.space, problem.threads).values
+        evaluate(feet, scene, numbers, problem.record, problem.space, problem.threads).values
         for scene in (problem.scene, *(law.scene for law in alternatives))
     )
     before, found = own[0] - own[-1], []

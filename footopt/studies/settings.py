@@ -24,7 +24,7 @@ from footopt.sand import MEDIA, Sand, StressMap
 from footopt.walk import MEASURES, PRESETS, Accuracy, Walker
 
 #: How much a run leaves: result.json, contour.csv and what it is resumed from; all but figures; everything.
-REPORTS = ("none", "light", "full")
+REPORTS = ("none", "light", "full", "print")
 
 #: Solvers of several objectives.
 SEVERAL = [name for name in SOLVERS if name not in (*SINGLE, EXHAUSTIVE)]
@@ -259,7 +259,9 @@ class Config:
     plugins: list[str] = setting(
         [], "Files (.py) or modules that register your effects, objectives, solvers, studies."
     )
-    report: str = setting("full", "What a run leaves: full; light, without figures; none, numbers only.")
+    report: str = setting(
+        "full", "What a run leaves: full; print, figures as PDF, too; light, no figures; none, numbers only."
+    )
     study: Any = field(default_factory=StudySettings)  # of the study that is chosen
     sand: SandConfig = field(default_factory=SandConfig)
     gait: GaitConfig = field(default_factory=GaitConfig)

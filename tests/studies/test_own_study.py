@@ -8,6 +8,8 @@ from study_pages import check_page
 
 from footopt import studies
 from footopt.errors import SettingError
+from footopt.report import figures
+from footopt.studies.base import Study
 from footopt.studies.runs import run_study
 
 PLUGIN = """
@@ -51,3 +53,11 @@ def test_it_is_found_by_its_name(tmp_path, capsys, monkeypatch):
     assert (result["study"], result["settings"]) == ("hollow", {"any": 1})
     said = capsys.readouterr().out
     assert said.index("It is hollow.") < said.index(f"Everything is in {tmp_path}")
+
+
+def test_a_run_leaves_its_figures_in_the_formats_that_its_report_wants(tmp_path, monkeypatch):
+    unrender(monkeypatch)
+    for report, endings in (("light", []), ("full", [".png"]), ("print", [".pdf", ".png"])):
+        study = Study(composed(f"report={report}"), tmp_path / report, {})
+        study.draw({"contour": lambda study=study: figures.contour(study.foot)})
+        assert sorted(path.suffix for path in study.folder.glob("figures/contour.*")) == endings

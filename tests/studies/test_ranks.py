@@ -6,7 +6,8 @@ import pytest
 import footopt as fo
 from footopt.report import terminal
 from footopt.studies import ranks
-from footopt.walk import OBJECTIVES
+from footopt.walk import OBJECTIVES, PRESETS
+from footopt.walk.ladder import numerics
 
 SPACE = fo.Waypoints()
 FEET = SPACE.random(6, seed=2, inside=True)
@@ -33,9 +34,10 @@ def test_each_other_law_is_walked_once_and_the_run_s_own_is_not(found):
 
 def test_places_losses_and_turns_are_those_of_the_walks(found):
     ranked, feet = found
+    numbers = numerics(PRESETS["draft"], fo.Scene(), SPACE)
     for rank, law in zip(ranked, ranks.alternative_laws(fo.Scene(), 0.3), strict=True):
-        values = fo.evaluate([*feet, FLAT], law.scene, "draft", ("efficiency", "work"))
-        own = fo.evaluate([*feet, FLAT], fo.Scene(), "draft", ("efficiency", "work"))
+        values = fo.evaluate([*feet, FLAT], law.scene, numbers, ("efficiency", "work"))
+        own = fo.evaluate([*feet, FLAT], fo.Scene(), numbers, ("efficiency", "work"))
         j = values.values[:-1, 0]
         assert rank.place == 1 + (j < j[0]).sum()
         assert rank.loss == pytest.approx((j[0] - j.min()) / abs(j.min()))
