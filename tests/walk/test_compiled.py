@@ -89,7 +89,7 @@ print(total(law), sum(total.stats.cache_hits.values()))
 @pytest.mark.slow
 def test_processes_that_compile_different_walks_at_once_load_their_own(tmp_path):
     """numba numbers the files of a function's signatures, and two processes could take the same number."""
-    laws = [["1"], ["1", "2"], ["1", "2", "3"]]
+    laws = [["1"], ["1", "2"]]
     environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
     (tmp_path / "walk.py").write_text(SLOWLY.replace("{start}", str(time.time() + 3.0)))
 
@@ -98,5 +98,5 @@ def test_processes_that_compile_different_walks_at_once_load_their_own(tmp_path)
         runs = [subprocess.Popen(w, env=environment, stdout=subprocess.PIPE, text=True) for w in words]
         return [run.communicate()[0].split() for run in runs]
 
-    assert printed() == [["1.0", "0"], ["3.0", "0"], ["6.0", "0"]]
-    assert printed() == [["1.0", "1"], ["3.0", "1"], ["6.0", "1"]]
+    assert printed() == [["1.0", "0"], ["3.0", "0"]]
+    assert printed() == [["1.0", "1"], ["3.0", "1"]]

@@ -22,19 +22,16 @@ def walk_on(zeta, *effects, **scene):
     return fo.Scene(sand=fo.Sand(zeta), effects=effects, **scene)
 
 
-SHEETS = fo.Layers(tuple(np.linspace(1e-3, 0.1, 40)), tuple(1.5 ** np.sin(np.arange(40))))
 CLIFF = fo.Patches((0.5,), (9.0,), (1000.0,), blur=1e-4)
 SPIKES = [fo.Foot.from_waypoints([1, 10] * 100)]
 
 #: Feet and scene.
 CASES = {
     "a level slab on zeta 200": (soles(), walk_on(200.0)),
-    "a hard pan of 1e6 at 30 mm": (soles(), walk_on(0.2, fo.Layers((0.03,), (1e6,)))),
     "a cliff from 1 to 1,000": (soles(), walk_on(1.0, CLIFF)),
     "20 us behind the heel strike": (soles(), walk_on(5.0, t_f=1.10002)),
     "a comb of 200 waypoints": (SPIKES, walk_on(5.0)),
     "leading edge on hard sand": (soles(), walk_on(5.0, fo.LeadingEdge())),
-    "40 layers": (soles(count=1), walk_on(1.0, SHEETS)),
 }
 RIGHT = ("a level slab on zeta 200", "leading edge on hard sand")
 

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from random_scenes import draw, judge
 
 import footopt as fo
 from footopt.walk.accuracy import PRESETS, TOLERANCES
@@ -146,12 +145,3 @@ class TestNumbers:
         truth = fo.evaluate(k, regular, fo.Accuracy("sdirk2", 1e-3, 400, 1e-5)).values
         found = fo.evaluate(k, regular, of).values
         assert np.median(np.abs(found / truth - 1.0).max(axis=1)) < of.error
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("number", [5001, 5022, 5046, 5058, 5064, 5086])
-def test_random_scenes_are_within_the_tolerance(number):
-    drawn = draw(number)
-    for one in judge(drawn.feet[:2], drawn.scene, space=drawn.space):
-        assert one.reason == one.truth
-        assert one.error.max() <= PRESETS["standard"].error

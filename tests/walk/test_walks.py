@@ -147,9 +147,9 @@ class TestReproducibility:
 
     @pytest.mark.slow
     def test_the_process_that_compiles_walks_like_those_that_load_its_code(self, tmp_path):
-        code = (
+        code = (  # by the stepper that is compiled soonest
             "import footopt as fo; f = fo.Foot.from_waypoints([1, 2, 3, 4, 5, 6, 7, 8, 8, 8, 8]);"
-            "print(fo.evaluate([f], fo.Scene(), fo.Accuracy(dt=1e-3)).raw.tobytes().hex())"
+            "print(fo.evaluate(f, accuracy=fo.Accuracy('explicit_euler', 1e-3)).raw.tobytes().hex())"
         )
         environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
         compiled, loaded = (
