@@ -29,7 +29,6 @@ from footopt.errors import ERROR_FILE, FootoptError
 from footopt.files import identity
 from footopt.files.identity import Occupied, result_of
 from footopt.files.io import write_text
-from footopt.report import summary
 from footopt.studies import meanings
 from footopt.studies.build import absolute
 from footopt.walk.objectives import lookup
@@ -118,6 +117,8 @@ class Multirun(Callback):
 
     def on_multirun_end(self, config: DictConfig, **kwargs: Any) -> None:
         """Read what the jobs left in their folders."""
+        from footopt.report import summary  # pandas and matplotlib take a second
+
         folder = Path(config.hydra.sweep.dir)
         Multirun.failed = summary.compare(folder, identity.jobs(folder))
 

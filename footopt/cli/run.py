@@ -23,7 +23,6 @@ from footopt.errors import ERROR_FILE, EngineError, FootoptError, check
 from footopt.files import identity
 from footopt.files.identity import Occupied, finished, result_of
 from footopt.files.io import write_text
-from footopt.report import summary
 from footopt.studies import searches
 from footopt.studies.build import absolute
 from footopt.studies.runs import BUDGETS, Run, check_may_change, check_resumable, load, run_study
@@ -113,6 +112,8 @@ def resume(given: Sequence[str]) -> int:
     if not (folder / "multirun.yaml").is_file():
         _resume_run(folder, changes, given)
         return 0
+    from footopt.report import summary  # pandas and matplotlib take a second
+
     jobs = identity.jobs(folder)
     for job in jobs:
         if (job / identity.FILE).exists():  # not refused before it had settings

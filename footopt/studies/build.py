@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import copy
 import os
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, fields, replace
-from functools import reduce
 from importlib import import_module
-from operator import getitem
 from pathlib import Path
 from typing import Any
+
+from omegaconf import OmegaConf
 
 from footopt.design import Choice, FootProblem, Spread
 from footopt.effects import EFFECTS, Effect
@@ -46,22 +45,14 @@ def absolute(settings: Mapping[str, Any]) -> dict[str, Any]:
     """The settings with files where they are, whatever folder they are read from later."""
 
     def locate(name: str, value: Any) -> Any:
+        if isinstance(value, Mapping):
+            return {key: locate(f"{name}.{key}".lstrip("."), one) for key, one in value.items()}
         if isinstance(value, list):
             return [locate(name, one) for one in value]
-        is_file = value and (name != "plugins" or value.endswith(".py"))  # a plugin may be a module
+        is_file = value and name in PATHS and (name != "plugins" or value.endswith(".py"))  # or a module
         return os.path.abspath(os.path.expanduser(value)) if is_file else value
 
-    copied = copy.deepcopy(dict(settings))
-    for name in PATHS:
-        group, _, last = name.rpartition(".")
-        part = copied[group] if group else copied
-        if last in part:
-            part[last] = locate(name, part[last])
-    return copied
-
-
-#: Groups of settings that say in what world, and how finely, is walked.
-WALKED = (*SCENE, "accuracy")
+    return dict(locate("", settings))
 
 
 def in_world_of_run(
@@ -72,32 +63,27 @@ def in_world_of_run(
     The accuracy is that of the run's own numbers. `given` are the names of settings and groups on the command
     line; what differs from `default` has been given, too.
     """
-    run = copy.deepcopy(dict(identity.read(Path(settings["study"]["run"]).expanduser(), "run").settings))
+    run = identity.read(Path(settings["study"]["run"]).expanduser(), "run").settings
+    world = {name: run[name] for name in (*SCENE, "accuracy")}
     if run["study"].get("confirm"):
-        run["accuracy"] = dict.fromkeys(run["accuracy"]) | {"name": run["study"]["confirm"]}
+        world["accuracy"] = dict.fromkeys(run["accuracy"]) | {"name": run["study"]["confirm"]}
     own = {name: settings["foot"][name] for name in ("k", "block")}
-    found = copy.deepcopy(dict(settings)) | {name: run[name] for name in WALKED} | {"foot": run["foot"] | own}
-    changed = {
-        *identity.changed_settings(settings, default),
-        *(SETTING_OF_GROUP.get(name, name) for name in given),
-    }
+    found = OmegaConf.create({**settings, **world, "foot": run["foot"] | own})
+    named = (SETTING_OF_GROUP.get(name, name) for name in given)
+    changed = {*identity.changed_settings(settings, default), *named}
     for name in sorted(changed):  # a group before what is in it
-        *groups, last = name.split(".")
-        if name.partition(".")[0] in WALKED:
-            reduce(getitem, groups, found)[last] = copy.deepcopy(reduce(getitem, name.split("."), settings))
-    return found
+        if name.partition(".")[0] in world:
+            value = OmegaConf.select(OmegaConf.create(dict(settings)), name)
+            OmegaConf.update(found, name, value, merge=False)
+    plain: Any = OmegaConf.to_container(found)
+    return dict(plain)
 
 
 def load_plugins(plugins: Sequence[str]) -> None:
     """Import files (of the user's own, .py) and modules, which register what they bring.
 
-    A file's folder joins the module path, which worker processes are given too, and its name there is
-    that of the file.
-
-    Raises
-    ------
-    SettingError
-        A file or module is not there, fails, or has the name of another module.
+    A file's folder joins the module path, which worker processes are given, too. A `SettingError` says that
+    one is not there, fails, or has the name of another module.
     """
     for plugin in plugins:
         path = Path(plugin).absolute()
@@ -112,9 +98,8 @@ def load_plugins(plugins: Sequence[str]) -> None:
             why = f"something that can be imported ({type(error).__name__}: {error})"
             raise SettingError("plugins", plugin, why) from error
         own = not is_file or (module.__file__ is not None and path.samefile(module.__file__))
-        check(
-            own, "plugins", plugin, "a file whose name is not that of another module", f"Rename {path.name}."
-        )
+        allowed = "a file whose name is not that of another module"
+        check(own, "plugins", plugin, allowed, f"Rename {path.name}.")
 
 
 def make_sand(config: SandConfig) -> Sand:
@@ -219,35 +204,25 @@ def _ankle(config: FootConfig) -> tuple[float, float]:
 
 def make_effects(config: EffectsConfig) -> tuple[Effect, ...]:
     """The effects that the settings name; what `auto` adds is up to the effect audit."""
-    built_in = {name: getattr(config, name) for name in EFFECTS if hasattr(config, name)}
-    chosen: dict[str, Any] = {name: vars(value) for name, value in built_in.items() if value is not None}
+    chosen = {name: vars(made) for name in EFFECTS if (made := getattr(config, name, None)) is not None}
     own: dict[str, Any] = config.own or {}
     check(isinstance(own, dict), "effects.own", own, "effects by name: {my_effect: {size: 1.0}}")
-    plugged = [name for name in EFFECTS if name not in built_in]
+    plugged = [name for name in EFFECTS if not hasattr(config, name)]
+    allowed = f"an effect of a plugin ({', '.join(plugged) or 'none is loaded'})"
+    hint = "Give its file: plugins=[my_effect.py]; it has to add its class to effects.EFFECTS."
     for name in own:
-        check(
-            name in plugged,
-            "effects.own",
-            name,
-            f"an effect of a plugin ({', '.join(plugged) or 'none is loaded'})",
-            "Give its file: plugins=[my_effect.py]; it has to add its class to effects.EFFECTS.",
-        )
+        check(name in plugged, "effects.own", name, allowed, hint)
     try:
         return tuple(EFFECTS[name](**(values or {})) for name, values in (chosen | own).items())
     except TypeError as error:
-        allowed = f"made of parameters that the effect has ({error})"
-        raise SettingError("effects.own", own, allowed) from None
+        has = f"made of parameters that the effect has ({error})"
+        raise SettingError("effects.own", own, has) from None
 
 
 def make_scene(config: Config) -> Scene:
-    """The scene of the settings."""
-    check(
-        not config.effects.auto,
-        "effects.auto",
-        True,
-        f"false for study={config.study.name}",
-        "Name the effects: effects=[leading_edge,inertia]; study=effects says which matter.",
-    )
+    """What walks, and on which sand: the scene of the settings."""
+    hint = "Name the effects: effects=[leading_edge,inertia]; study=effects says which matter."
+    check(not config.effects.auto, "effects.auto", True, f"false for study={config.study.name}", hint)
     return Scene(
         effects=make_effects(config.effects),
         sand=make_sand(config.sand),

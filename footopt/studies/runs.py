@@ -199,11 +199,10 @@ class Run:
     def config(self) -> Config:
         """The settings as what studies take; a `FileError` if this version does not have one of them."""
         try:
-            found = cast(Config, OmegaConf.to_object(structured(self.settings)))
+            return cast(Config, OmegaConf.to_object(structured(self.settings)))
         except OmegaConfBaseException as error:
             why = f"footopt {self.version} wrote this run, and this is {__version__} ({error})"
             raise FileError(f"{self.folder}: {why}. Install that version to load it.") from None
-        return found
 
     @cached_property
     def result(self) -> Mapping[str, Any]:
@@ -228,41 +227,39 @@ class Run:
             hint = "Read what they do, then load the run with trust=True."
             raise FileError(f"{self.folder}: its settings name plugins, which are code. {hint}")
         load_plugins(self.config.plugins)
-        effects = self.config.effects
-        if not effects.auto:
-            return make_scene(self.config)
+        given = self.config.effects
+        scene = make_scene(replace(self.config, effects=replace(given, auto=False)))
+        if not given.auto:
+            return scene
         if not self.result:
             raise FileError(f"{self.folder}: has no result.json, which names the effects of effects=auto.")
-        scene = make_scene(replace(self.config, effects=replace(effects, auto=False)))
-        named = {name: EFFECTS[name](**values) for name, values in self.result["scene"]["effects"].items()}
-        return replace(scene, effects=tuple({type(e): e for e in (*scene.effects, *named.values())}.values()))
+        effects = self.result["scene"]["effects"].items()
+        return replace(scene, effects=tuple(EFFECTS[name](**values) for name, values in effects))
 
     @property
     def front(self) -> Any:
         """The Pareto front as walked finely, the answer first: a pandas DataFrame of k1 ... and values."""
         import pandas
 
-        k, values = self.result.get("front", []), self.result.get("front_values", [])
-        heights = pandas.DataFrame(k).rename(columns=lambda i: f"k{i + 1}")
-        return heights.join(
-            pandas.DataFrame(values, columns=self.result.get("front_columns", []) if k else [])
-        )
+        if not (heights := self.result.get("front")):
+            return pandas.DataFrame()
+        columns = [*(f"k{i}" for i in range(1, len(heights[0]) + 1)), *self.result["front_columns"]]
+        rows = zip(heights, self.result["front_values"], strict=True)
+        return pandas.DataFrame([k + values for k, values in rows], columns=columns)
 
     @property
     def designs(self) -> Any:
         """Every design that it walked: a pandas DataFrame with the columns of designs.csv."""
-        path = self.folder / "designs.csv"
-        if not path.is_file():
-            if not self.result:
-                hint = "run.search().to_frame() reads its store, and walks what is missing."
-                raise FileError(f"{self.folder}: has not ended. {hint}")
-            return self.search().to_frame()
         import pandas
 
-        frame = pandas.read_csv(path, keep_default_na=False, na_values={}, dtype={"reason": object})
-        for name in frame.columns.difference(["reason"]):
-            frame[name] = pandas.to_numeric(frame[name])
-        return frame.astype({"feasible": bool, "on_front": bool}).rename_axis("design")
+        path = self.folder / "designs.csv"
+        if path.is_file():
+            frame = pandas.read_csv(path, dtype={"reason": object}).fillna({"reason": ""})
+            return frame.astype({"feasible": bool, "on_front": bool}).rename_axis("design")
+        if not self.result:
+            hint = "run.search().to_frame() reads its store, and walks what is missing."
+            raise FileError(f"{self.folder}: has not ended. {hint}")
+        return self.search().to_frame()
 
     def walk(self, accuracy: AnyAccuracy | str | None = None) -> Walk:
         """Walk with its foot in its scene, by default as finely as its own numbers were."""
