@@ -208,7 +208,7 @@ def used(*overrides):
         with make_executor(engine.name, engine.workers, engine.address, engine.timeout):
             pass
     if study.name == "robust":
-        make_scenarios(config)
+        make_scenarios(config, scene)
     walk = fo.simulate(foot, scene, accuracy)
     if walk.feasible and math.isfinite(scene.gait.start) and scene.duration > scene.gait.heel_strike:
         values = fo.evaluate([foot], scene, accuracy, threads=engine.threads).values

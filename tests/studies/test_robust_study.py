@@ -68,7 +68,7 @@ class TestStudy:
         assert after["regrets"] == before["regrets"]
 
     @pytest.mark.slow
-    def test_drawn_scenarios_are_tested_on_fresh_ones(self, tmp_path, capsys, monkeypatch):
+    def test_of_drawn_scenarios_each_has_its_specialist(self, tmp_path, monkeypatch):
         unrender(monkeypatch)
         config = composed(*BRIEF, "study.scenarios=drawn", "study.draws=3", "study.measure=tail",
                           "solver=nsga2",
@@ -76,11 +76,10 @@ class TestStudy:
         run_study(config, tmp_path, {})
         check_page(tmp_path)
         result = json.loads((tmp_path / "result.json").read_text())
-        assert list(result["feet"]) == ["draw 1", "draw 2", "draw 3", "median scene", "robust"]
+        assert list(result["feet"]) == ["draw 1", "draw 2", "draw 3", "robust"]
         drawn = fo.draw(fo.Scene(), fo.Spread(), 3, 1)
-        assert [s["zeta"] for s in result["scenarios"]] == [s.scene.sand.zeta for s in drawn]
-        assert len(result["held_out_regret"]) == 200
-        assert "fresh scenarios" in capsys.readouterr().out
+        zetas = [s["scene"]["sand"]["zeta"] for s in result["scenarios"]]
+        assert zetas == [s.scene.sand.zeta for s in drawn]
 
     def test_what_is_null_is_measured_from_the_strides_of_the_gait(self, tmp_path):
         path, t = tmp_path / "walk.csv", np.arange(0.0, 6.1, 0.01)
