@@ -1,25 +1,34 @@
-"""Which stepper stays stable where? Hard cases, each simulated with every method and judged by numbers."""
+"""study=stability: which stepper stays stable where? Hard cases, each with every method, judged by numbers.
+
+The judge is physics, not looks: energy is accounted for, the sand gives none beyond what smoothing allows, a
+walker that stands still stays, and a refined walk says what the right answer is.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
 
+import numpy as np
 from rich.text import Text
 
+from footopt.effects import bristle_length
 from footopt.errors import check
 from footopt.foot import Foot
 from footopt.report import terminal
-from footopt.report.figures.tables import Cell, verdicts
+from footopt.report.figures.tables import verdicts
 from footopt.studies.base import Study, foot_entry, scene_entry
 from footopt.studies.settings import Config
 from footopt.studies.stability_cases import CASES, Case
-from footopt.studies.stability_judges import Measure, Truth, find_truth, judge
-from footopt.walk import STEPPERS, Scene, Walk, simulate
+from footopt.walk import FIVE, STEPPERS, Accuracy, Scene, Walk, evaluate, simulate
 from footopt.walk.accuracy import AnyAccuracy
+from footopt.walk.balances import energy_gap, power_from_sand, sinking_speed, smoothing_power
+from footopt.walk.discretize import too_many_poses
 from footopt.walk.ladder import numerics
+from footopt.walk.objectives import FLOORS
 from footopt.walk.resolution import BEYOND, PROMISE
 
 #: Of the time step, for explicit steppers, which evaluate no Jacobian and solve nothing: Euler then has the
@@ -31,7 +40,41 @@ CONTROL = 1e-3  # m/s, of the method under step control, where the settings have
 #: Methods by name: a stepper, and whether its steps are controlled, as those of the presets are.
 METHODS = {**{name: (name, False) for name in STEPPERS}, "sdirk2_control": ("sdirk2", True)}
 
+#: Each with its reason; none depends on the stepper. That of an error follows from the accuracy.
+LIMITS = {
+    "chatter": 1e-3,  # of the weight: what a force plate resolves; the trapped state has none at all
+    "yielding": 3.0,  # in units of what the smoothed law itself yields, good to a factor for any sole
+    "energy": 0.05,  # of |W|
+    "rest": 3e-8,  # m/s: in half a minute a thousandth of a grain
+    "place": 1e-4,  # m, by which the time step and the length of bristles may choose where it stands
+}
+SETTLED = 0.1  # of every limit: the last refinement of a truth changes no measure by more
+REFINED = range(1, 8)  # how often an accuracy is refined for a truth: at first, and at last
+
 CAPTION = "Which method is stable in which case, with the measure that decides, as in the table."
+
+
+class Measure(NamedTuple):
+    """One number about a walk, stable within its limit."""
+
+    name: str
+    value: float
+    limit: float
+
+    @property
+    def ratio(self) -> float:
+        """Value over limit; infinite for a value that is not a number."""
+        if not math.isfinite(self.value):
+            return math.inf
+        return 0.0 if self.value == 0.0 else self.value / self.limit if self.limit else math.inf
+
+
+class Outcome(NamedTuple):
+    """How a walk ended: why it failed, and its objectives, or where a walker that stands is, x and z in m."""
+
+    reason: str
+    numbers: Mapping[str, float]
+    stands: float = 0.0  # of a truth: the largest measure over its limit that the last refinement made
 
 
 class Verdict(NamedTuple):
@@ -41,7 +84,7 @@ class Verdict(NamedTuple):
     method: str
     measures: Sequence[Measure]
     walk: Walk
-    truth: Truth | None
+    truth: Outcome
 
     @property
     def decides(self) -> Measure:
@@ -54,22 +97,63 @@ class Verdict(NamedTuple):
         return self.decides.ratio <= 1.0
 
     @property
-    def cell(self) -> Cell:
-        """The cell of it in the figure."""
-        return Cell(self.stable, self.decides.name, self.decides.value)
+    def fault(self) -> str:
+        """The measure that decides and its value to two digits; nothing of a stable walk."""
+        name, value, limit = self.decides
+        number = f" {value:.2g}".replace("e-0", "e-").replace("e+0", "e") if limit else ""
+        return "" if self.stable else f"{name}{number}"
 
-    @property
-    def entry(self) -> dict[str, Any]:
-        """The entry of it in result.json."""
-        return {
-            "case": self.case.name,
-            "method": self.method,
-            "stable": self.stable,
-            "measure": self.decides.name,
-            "measures": {m.name: {"value": m.value, "limit": m.limit} for m in self.measures},
-            "reason": self.walk.reason,
-            **{name: getattr(self.walk, name) for name in ("evaluations", "rescues", "shortened", "repeats")},
-        }
+
+def run(study: Study) -> None:
+    """Judge every case with every method."""
+    cases, methods = chosen(study.config)
+    base = study.foot, study.scene, study.accuracy
+    with study.compiling("every method"):
+        for stepper in {METHODS[method][0] for method in methods}:
+            simulate(study.foot, study.scene, replace(study.accuracy, stepper=stepper))
+    with study.progress(len(cases) * len(methods), "walk") as step:
+        found = [judge_case(case, base, methods, partial(step, news=case.name)) for case in cases]
+    faults = {case.name: [v.fault for v in row] for case, row in zip(cases, found, strict=True)}
+    study.save("stability", verdicts(faults, methods), CAPTION)
+    stable = {m: [row[i] for row in faults.values()].count("") for i, m in enumerate(methods)}
+    titles = ["case", *(method.replace("_", " ") for method in methods)]
+    table = terminal.table(titles, titles)
+    for name, row in faults.items():
+        table.add_row(name, *(Text(f"NO {fault}", "bold red") if fault else "ok" for fault in row))
+    table.add_section()
+    table.add_row("stable cases", *(f"{count} of {len(cases)}" for count in stable.values()))
+    study.conclude(
+        "Stability of the steppers",
+        [table],
+        {
+            "design": foot_entry(study.foot),
+            **scene_entry(study.scene, numerics(study.accuracy, study.scene, study.foot), ()),
+            "stable": stable,
+            "verdicts": [
+                {
+                    "case": v.case.name,
+                    "method": v.method,
+                    "stable": v.stable,
+                    "measures": {m.name: {"value": m.value, "limit": m.limit} for m in v.measures},
+                }
+                for row in found
+                for v in row
+            ],
+        },
+        summary=["Where a method is not stable: the measure that is furthest beyond its limit."],
+    )
+
+
+def chosen(config: Config) -> tuple[list[Case], list[str]]:
+    """The cases and methods that the settings name; null is all."""
+    cases = {case.name: case for case in CASES}
+    names = []
+    for key, known in (("cases", list(cases)), ("methods", list(METHODS))):
+        given = getattr(config.study, key)
+        names.append(known if given is None else given)
+        allowed = f"null for all, or some of: {', '.join(known)}"
+        check(bool(names[-1]) and {*names[-1]} <= {*known}, f"study.{key}", given, allowed)
+    return [cases[name] for name in names[0]], names[1]
 
 
 def judge_case(
@@ -94,48 +178,86 @@ def judge_case(
     return found
 
 
-def chosen(config: Config) -> tuple[list[Case], list[str]]:
-    """The cases and methods that the settings name; null is all."""
-    cases = {case.name: case for case in CASES}
-    names = []
-    for key, known in (("cases", list(cases)), ("methods", list(METHODS))):
-        given = getattr(config.study, key)
-        names.append(known if given is None else given)
-        allowed = f"null for all, or some of: {', '.join(known)}"
-        check(bool(names[-1]) and {*names[-1]} <= {*known}, f"study.{key}", given, allowed)
-    return [cases[name] for name in names[0]], names[1]
+def find_truth(
+    foot: Foot, scene: Scene, accuracy: Accuracy, given: Mapping[str, Any], limit: float
+) -> Outcome:
+    """Refine a walk until it stands, but for what is given of the accuracy.
+
+    A walker that stands keeps its creep speed, which is the law that it sinks by; its bristles are a tenth as
+    long. `limit` is that of the error of an objective.
+    """
+    if stands_still(scene):
+        effects: tuple[Any, ...] = scene.effects
+        shorter = (replace(e, length=0.1 * e.length) if e.bristle_length else e for e in effects)
+        scene = replace(scene, effects=tuple(shorter))
+        given = {"control": None, "creep": accuracy.creep, **given}
+    found, stands = list[Outcome](), math.inf
+    for times in REFINED:
+        finer = replace(accuracy.refined(times), **given)
+        if found and too_many_poses(scene, finer):
+            break
+        if stands_still(scene):
+            found.append(outcome_of(simulate(foot, scene, finer)))
+        else:  # without traces, which take memory
+            table = evaluate([foot], scene, finer, FIVE, threads=1)
+            found.append(Outcome(table.reasons[0], dict(zip(FIVE, table.values[0], strict=True))))
+        if len(found) > 1:
+            stands = max(measure.ratio for measure in compare(found[-2], found[-1], limit))
+        if stands <= SETTLED:
+            break
+    return found[-1]._replace(stands=stands)
 
 
-def run(study: Study) -> None:
-    """Judge every case with every method."""
-    cases, methods = chosen(study.config)
-    base = study.foot, study.scene, study.accuracy
-    with study.compiling("every method"):
-        for stepper in {METHODS[method][0] for method in methods}:
-            simulate(study.foot, study.scene, replace(study.accuracy, stepper=stepper))
-    with study.progress(len(cases) * len(methods), "walk") as step:
-        found = [judge_case(case, base, methods, partial(step, news=case.name)) for case in cases]
-    cells = {(v.case.name, v.method): v.cell for row in found for v in row}
-    study.save("stability", verdicts([case.name for case in cases], methods, cells), CAPTION)
-    stable = {m: sum(cells[case.name, m].stable for case in cases) for m in methods}
-    titles = ["case", *(method.replace("_", " ") for method in methods)]
-    table = terminal.table(titles, titles)
-    for case in cases:
-        table.add_row(case.name, *(_shown(cells[case.name, method]) for method in methods))
-    table.add_section()
-    table.add_row("stable cases", *(f"{count} of {len(cases)}" for count in stable.values()))
-    study.conclude(
-        "Stability of the steppers",
-        [table],
-        {
-            "design": foot_entry(study.foot),
-            **scene_entry(study.scene, numerics(study.accuracy, study.scene, study.foot), ()),
-            "stable": stable,
-            "verdicts": [v.entry for row in found for v in row],
-        },
-        summary=["Where a method is not stable: the measure that is furthest beyond its limit."],
-    )
+def outcome_of(walk: Walk) -> Outcome:
+    """The outcome of a walk with its traces."""
+    if stands_still(walk.scene):
+        return Outcome(walk.reason, {} if walk.reason else {"x": walk.com[-1, 0], "z": walk.com[-1, 1]})
+    return Outcome(walk.reason, {name: walk.objectives[name] for name in FIVE})
 
 
-def _shown(cell: Cell) -> Text:
-    return Text("ok") if cell.stable else Text(f"NO {cell.text}", style="bold red")
+def stands_still(scene: Scene) -> bool:
+    """Whether the walker never begins to walk."""
+    return math.isinf(scene.gait.start)
+
+
+def judge(walk: Walk, truth: Outcome, limit: float) -> list[Measure]:
+    """Measures of a walk, of which none is beyond its limit if it is stable.
+
+    `limit` is that of an objective's error.
+    """
+    found = [*compare(outcome_of(walk), truth, limit), Measure("truth", truth.stands, 1.0)]
+    if walk.reason or truth.reason:
+        return found
+    found.append(Measure("energy", energy_gap(walk), LIMITS["energy"]))
+    if not bristle_length(walk.scene.effects):  # what bristles give back they have stored
+        allowed = smoothing_power(walk.scene.sand.stress_map)
+        found.append(Measure("power", power_from_sand(walk), allowed))
+    return found + (_standing(walk) if stands_still(walk.scene) else [])
+
+
+def compare(own: Outcome, truth: Outcome, limit: float) -> list[Measure]:
+    """Measures of an outcome against the right one: its end, its objectives, or where the walker stands."""
+    if own.reason or truth.reason:
+        return [Measure(own.reason or "no failure", float(own.reason != truth.reason), 0.0)]
+    off = {name: abs(own.numbers[name] - exact) for name, exact in truth.numbers.items()}
+    if "x" in off:
+        return [Measure("place", math.hypot(off["x"], off["z"]), LIMITS["place"])]
+    errors = {name: off[name] / max(abs(truth.numbers[name]), FLOORS.get(name, 1e-3)) for name in off}
+    peak = errors.pop("peak_power")  # on its own: an impact may be shorter than a step
+    return [Measure("error", max(errors.values()), limit), Measure("peak", peak, limit)]
+
+
+def _standing(walk: Walk) -> list[Measure]:
+    """In the second half of standing only the law itself lets the walker move, and the load is the weight."""
+    half = 0.5 * walk.t[-1]
+    late = walk.t > half
+    weight = walk.scene.walker.mass * walk.scene.gravity[1]  # what of it presses on the sand
+    force = walk.force[late, :, 1].sum(axis=1) / weight
+    moved = float(np.hypot(*np.ptp(walk.com[late], axis=0)))
+    plain = not bristle_length(walk.scene.effects)
+    drift = LIMITS["yielding"] * sinking_speed(walk, half) * half if plain else 0.0
+    return [
+        Measure("chatter", float(force.std()), LIMITS["chatter"]),
+        Measure("load", float(abs(force.mean() - 1.0)), LIMITS["chatter"]),
+        Measure("drift", moved, LIMITS["rest"] * half + drift),
+    ]

@@ -63,10 +63,7 @@ def noisy(points: int = 5000, noise: float = 1e-4) -> Foot:
 #: Sand as it is hard to walk on, and all effects together.
 PAN, CLIFF = Layers((0.03,), (1e6,)), Patches((0.5,), (9.0,), (1e3,), blur=1e-4)
 STRIPES = Patches(
-    tuple(0.1 + 0.02 * i for i in range(100)),
-    tuple(0.101 + 0.02 * i for i in range(100)),
-    (10.0,) * 100,
-    1e-3,
+    tuple(0.1 + 0.2 * i for i in range(10)), tuple(0.101 + 0.2 * i for i in range(10)), (10.0,) * 10, 1e-3
 )
 ALL = (
     Layers((0.02, 0.05), (0.6, 1.5)), Patches((0.35, 1.2), (0.95, 1.6), (0.7, 1.5)),
@@ -115,12 +112,12 @@ CASES = (
     Case("rest in a walk", on_sand(5.0, Rest())),
     Case("a hard pan under soft sand", on_sand(0.2, PAN)),
     Case("a cliff from zeta 1 to 1000", on_sand(1.0, CLIFF)),
-    Case("100 hard patches of 1 mm", on_sand(1.0, STRIPES)),
+    Case("ten hard patches of 1 mm", on_sand(1.0, STRIPES)),
     Case("all effects", on_sand(1.0, *ALL)),
     *(Case(f"{plates} plates", accuracy={"plates": plates}) for plates in (5, 50, 500, 5000)),
     *(Case(f"creep {c}", accuracy={"creep": float(c)}) for c in ("1e-9", "1e-7", "1e-5", "1e-3", "1e-2")),
     Case("creep 1e-9 on zeta 50", on_sand(50.0), accuracy={"creep": 1e-9}),
-    Case("ten minutes of walking", {"t_f": 600.0}),
+    Case("a minute of walking", {"t_f": 60.0}),
     Case("sand that cannot carry the walker", on_sand(1e-3)),
     Case("sinking to the hip", on_sand(0.02)),
 )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from matplotlib import colormaps
@@ -17,7 +17,6 @@ from footopt.report.style import Axes
 Array = NDArray[np.float64]
 
 ROW = 0.21  # height of a row, inches
-WORDS = ("sunk", "backward", "diverged", "no failure", "refused", "accepted")  # verdicts without a number
 CHECK = "✓"
 VERDICTS = ListedColormap(["#F7C6A3", "#DBEAF3"])  # not stable, stable
 
@@ -65,30 +64,14 @@ def regrets(values: ArrayLike, feet: Sequence[str], scenarios: Sequence[str]) ->
     return figure
 
 
-class Cell(NamedTuple):
-    """A verdict: stable or not, by which measure and what value."""
-
-    stable: bool
-    measure: str
-    value: float
-
-    @property
-    def text(self) -> str:
-        """The deciding measure and its value to two digits."""
-        if self.measure in WORDS:
-            return self.measure
-        return f"{self.measure} {self.value:.2g}".replace("e-0", "e-").replace("e+0", "e")
-
-
 @style.styled()
-def verdicts(cases: Sequence[str], methods: Sequence[str], cells: Mapping[tuple[str, str], Cell]) -> Figure:
-    """Stable (a tick) or not (what decides, and its value), for each case and method."""
-    figure = style.new_figure(style.PAGE, 0.75 + ROW * len(cases))
-    rows = [[cells[case, method] for method in methods] for case in cases]
-    stable = np.array([[cell.stable for cell in row] for row in rows], float)
-    texts = [[CHECK if cell.stable else cell.text for cell in row] for row in rows]
+def verdicts(faults: Mapping[str, Sequence[str]], methods: Sequence[str]) -> Figure:
+    """Stable (a tick) or at fault (what decides, and its value), of each case by name with each method."""
+    figure = style.new_figure(style.PAGE, 0.75 + ROW * len(faults))
+    stable = np.array([[not fault for fault in row] for row in faults.values()], float)
+    texts = [[fault or CHECK for fault in row] for row in faults.values()]
     names = ["\n".join(method.rsplit("_", 1)).replace("_", " ") for method in methods]
-    draw_heat_map(figure.subplots(), stable, cases, names, texts, VERDICTS)
+    draw_heat_map(figure.subplots(), stable, list(faults), names, texts, VERDICTS)
     figure.supxlabel(f"{CHECK} stable; where it is not: the measure that is furthest beyond its limit")
     return figure
 
