@@ -1,9 +1,6 @@
 """Whole walks: an independent program, balances, orders, symmetries, and bit for bit the same again."""
 
 import math
-import os
-import subprocess
-import sys
 from dataclasses import replace
 
 import every_effect
@@ -12,10 +9,12 @@ import pytest
 from lsoda import lsoda_objectives
 
 import footopt as fo
+from footopt import compiled
 from footopt.gait import LEFT, RIGHT
-from footopt.walk import STEPPERS
+from footopt.walk import STEPPERS, own_code
 from footopt.walk.accuracy import TOLERANCES
 from footopt.walk.balances import energy_gap, momentum_gap
+from footopt.walk.loop import walk_designs
 from footopt.walk.reference import LIMITS, PUBLISHED, RAMP, SAME_PLATES
 
 ALL = sorted(STEPPERS)
@@ -145,20 +144,19 @@ class TestReproducibility:
         feet = [fo.Foot.from_waypoints(row) for row in k]
         np.testing.assert_array_equal(fo.evaluate(feet, regular, accuracy).raw, one.raw)
 
-    @pytest.mark.slow
-    def test_the_process_that_compiles_walks_like_those_that_load_its_code(self, tmp_path):
-        code = (  # by the stepper that is compiled soonest
-            "import footopt as fo; f = fo.Foot.from_waypoints([1, 2, 3, 4, 5, 6, 7, 8, 8, 8, 8]);"
-            "print(fo.evaluate(f, accuracy=fo.Accuracy('explicit_euler', 1e-3)).raw.tobytes().hex())"
-        )
-        environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
-        compiled, loaded = (
-            subprocess.run(
-                [sys.executable, "-c", code], env=environment, capture_output=True, check=True
-            ).stdout
-            for _ in range(2)
-        )
-        assert compiled == loaded
+    @pytest.mark.slow  # of compiling
+    def test_walks_are_the_same_by_code_that_was_just_compiled_and_that_was_loaded(
+        self, tmp_path, monkeypatch, ramp_foot
+    ):
+        accuracy, found = fo.Accuracy("explicit_euler", 1e-3), []
+        monkeypatch.setattr(compiled, "cache_folder", lambda: str(tmp_path))
+        for loads in (0, 1):
+            own_code._compiled.cache_clear()
+            found.append(fo.evaluate(ramp_foot, accuracy=accuracy).raw)
+            walker = own_code.compiled_for(walk_designs, (), STEPPERS["explicit_euler"].parameters)
+            assert sum(walker.stats.cache_hits.values()) == loads
+        own_code._compiled.cache_clear()
+        np.testing.assert_array_equal(*found)
 
 
 class TestStandingStill:
