@@ -1,6 +1,5 @@
 """A search can be stopped, begun with designs, told how to mate, and watched."""
 
-import numpy as np
 import pytest
 from searching import SMALL, objective_of, problem
 
@@ -32,10 +31,6 @@ class TestStop:
         with pytest.raises(SettingError, match=r"solver\.seconds = 0: must be null, or a number > 0"):
             Solver(seconds=0)
 
-    def test_a_progress_that_returns_true_ends_an_enumeration_too(self):
-        found = search(problem(), "exhaustive", lambda g: g.generation == 2, pop_size=50)
-        assert (len(found.history), found.stopped, found.interrupted) == (2, "by its progress", False)
-
 
 class TestStart:
     @pytest.mark.parametrize("name", ["memetic", "de", "nsga2"])
@@ -66,11 +61,3 @@ class TestOperators:
         assert same.k.tolist() == plain.k.tolist() != other.k.tolist()
         de = [search(problem(), "de", operators=o, **BUDGET).k.tolist() for o in (None, {"F": 0.9})]
         assert de[0] != de[1]
-
-
-def test_progress_true_shows_a_line(capsys):
-    search(problem(), "ga", True, **BUDGET)
-    err = capsys.readouterr().err
-    assert "generation 12/12, 96 evaluations, best -" in err
-    assert err.count("\n") == 1
-    assert np.all([len(line) <= 79 for line in err.split("\r")])

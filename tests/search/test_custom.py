@@ -79,30 +79,6 @@ class TestPlugins:
         assert context(problem)["own"] != before["own"]
         assert context(fo.FootProblem())["own"] == {}
 
-    @pytest.mark.parametrize(
-        ("text", "words"),
-        [(None, "a file that is there"), ("import no_such_module", "NotFound")],
-    )
-    def test_one_that_cannot_be_loaded_is_named_with_the_reason(self, tmp_path, text, words):
-        file = tmp_path / "broken_plugin.py"
-        if text is not None:
-            file.write_text(text)
-        with pytest.raises(SettingError, match=words) as caught:
-            load_plugins([str(file)])
-        assert "broken_plugin.py" in str(caught.value)
-        (tmp_path / "json.py").write_text("")
-        with pytest.raises(SettingError, match=r"Rename json\.py"):
-            load_plugins([str(tmp_path / "json.py")])
-
-    def test_an_effect_that_is_not_loaded_or_has_no_such_parameter_is_named(self):
-        with pytest.raises(SettingError, match=r"effects\.own = 'floor'.*none is loaded.*plugins="):
-            make_effects(AllEffects(own={"floor": None}))
-        with pytest.raises(SettingError, match=r"effects\.own = 'slope'"):
-            make_effects(AllEffects(own={"slope": {"angle": 5}}))
-        load_plugins([str(CUSTOM / "effect.py")])
-        with pytest.raises(SettingError, match="deep"):
-            make_effects(AllEffects(own={"floor": {"deep": 1.0}}))
-
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("clean")

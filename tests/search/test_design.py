@@ -5,14 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from pymoo.algorithms.moo.age2 import AGEMOEA2Survival
 from pymoo.core.problem import Problem
 from searching import SMALL, objective_of, problem
 
 import footopt as fo
 from footopt.design import SINGLE, Solver, search
 from footopt.design.solvers.operators import (
-    Geometry,
     SameHeights,
 )
 from footopt.errors import FootoptError, SettingError
@@ -29,14 +27,6 @@ ASKED = {
     "smsemoa": "db5ed6362d584983",
     "rvea": "1848fb308112d57a",
 }
-
-
-@pytest.mark.slow  # of compiling pymoo's
-def test_distances_along_the_front_are_pymoo_s_without_its_compiler():
-    front = np.random.default_rng(1).random((40, 5))
-    for p in (0.5, 1.0, 2.3):
-        ours, theirs = (kind.pairwise_distances(front, p) for kind in (Geometry, AGEMOEA2Survival))
-        np.testing.assert_allclose(ours, theirs, rtol=1e-12, atol=1e-15)
 
 
 class TestProblem:

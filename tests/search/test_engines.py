@@ -1,19 +1,14 @@
 """Engines: the same result everywhere, to the last bit; a run whose worker dies says so, and is resumed."""
 
-import json
 import os
 import signal
-import subprocess
-import sys
 import threading
 import time
 from concurrent.futures import Executor, Future
-from pathlib import Path
 
 import numpy as np
 import pytest
-from running import BRIEF, descendants, ended, footopt, started, wait_for
-from searching import assert_same, problem, stop_after
+from searching import assert_same, problem
 
 import footopt as fo
 from footopt.design import executor, make_executor, search
@@ -98,77 +93,38 @@ def test_walks_that_raise_are_left_out_and_tried_again(tmp_path, caplog, monkeyp
 
 
 @pytest.mark.slow
-class TestProcesses:
-    def test_find_what_this_one_finds_are_used_again_and_do_not_hear_ctrl_c(self, undisturbed):
-        p, found = problem("pareto"), set()
-        for _ in range(2):
-            with make_executor("processes", 2) as two:
-                found |= set(two._processes)
-                for pid in two._processes:
-                    os.kill(pid, signal.SIGINT)
-                assert_same(undisturbed, search(p, "nsga2", executor=two, **BUDGET))
-        assert len(found) == 2
+def test_processes_find_what_this_one_finds_and_one_that_dies_ends_the_search_which_goes_on(
+    undisturbed, tmp_path
+):
+    """Those of a run that is over are used again, and Ctrl-C is not for them."""
+    path, found = tmp_path / "designs.sqlite", set()
+    for _ in range(2):
         with make_executor("processes", 2) as two:
-            assert len(search(p, "nsga2", stop_after(2), executor=two, **BUDGET).history) == 2
+            found |= set(two._processes)
+            for pid in two._processes:
+                os.kill(pid, signal.SIGINT)
+            assert_same(undisturbed, search(problem("pareto"), "nsga2", executor=two, **BUDGET))
+    assert len(found) == 2
 
-    def test_one_that_dies_ends_the_search_and_the_next_one_goes_on(self, undisturbed, tmp_path):
-        path = tmp_path / "designs.sqlite"
+    def kill(generation):
+        if generation.generation == 3:
+            threading.Timer(0.03, os.kill, (next(iter(two._processes)), signal.SIGKILL)).start()
 
-        def kill(generation):
-            if generation.generation == 3:
-                threading.Timer(0.03, os.kill, (next(iter(two._processes)), signal.SIGKILL)).start()
-
-        with pytest.raises(EngineError, match="died"), make_executor("processes", 2) as two:
-            search(problem("pareto", kind=Slow), "nsga2", kill, path, two, **BUDGET)
-        with make_executor("processes", 2) as two:
-            resumed = search(problem("pareto", kind=Slow), "nsga2", None, path, two, **BUDGET)
-        assert resumed.reused == len(resumed.k[resumed.generation <= 3])
-        assert_same(undisturbed, resumed)
-
-    def test_a_run_whose_worker_dies_says_how_to_go_on_and_does(self, tmp_path):
-        words = [*BRIEF, "solver=nsga2", "report=light"]
-        assert footopt(*words, "hydra.run.dir=whole", cwd=tmp_path).returncode == 0
-        run = started(*words, "engine=processes", "engine.workers=2", "hydra.run.dir=run", cwd=tmp_path)
-        wait_for(run, "Searching")
-        time.sleep(1.0)
-        commands = {pid: Path(f"/proc/{pid}/cmdline").read_bytes() for pid in descendants(run.pid)}
-        workers = [pid for pid, command in commands.items() if b"popen_loky" in command]
-        os.kill(workers[0], signal.SIGKILL)
-        _, err = ended(run)
-        assert run.returncode == 1
-        assert "error: A worker process has died" in err
-        assert "go on with: footopt resume=" in err
-        assert "Traceback" not in err
-        assert footopt("resume=run", cwd=tmp_path).returncode == 0
-        assert (tmp_path / "run/designs.csv").read_bytes() == (tmp_path / "whole/designs.csv").read_bytes()
+    with pytest.raises(EngineError, match="died"), make_executor("processes", 2) as two:
+        search(problem("pareto", kind=Slow), "nsga2", kill, path, two, **BUDGET)
+    resumed = search(problem("pareto", kind=Slow), "nsga2", None, path, **BUDGET)
+    assert resumed.reused == len(resumed.k[resumed.generation <= 3])
+    assert_same(undisturbed, resumed)
 
 
 @pytest.mark.slow
-def test_dask_finds_the_same_to_the_byte_and_no_scheduler_is_said(tmp_path):
-    pytest.importorskip("distributed", reason="needs the extra footopt[dask]")
+def test_dask_finds_the_same_and_no_scheduler_is_said(undisturbed):
+    distributed = pytest.importorskip("distributed", reason="needs the extra footopt[dask]")
     with pytest.raises(EngineError, match=r"'tcp://127\.0\.0\.1:1': no scheduler .* within 0\.5 s"):
         make_executor("dask", address="tcp://127.0.0.1:1", timeout=0.5).__enter__()
-    file, env = tmp_path / "scheduler.json", os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
-
-    def start(kind, *options):
-        command = [sys.executable, "-m", f"distributed.cli.dask_{kind}", "--scheduler-file", file, *options]
-        command += ["--host", "127.0.0.1", "--no-dashboard"]
-        return subprocess.Popen(command, env=env, stderr=subprocess.DEVNULL)
-
-    alone = ("--nthreads", "1", "--no-nanny", "--local-directory", tmp_path)
-    processes = [start("scheduler", "--port", "0"), start("worker", *alone), start("worker", *alone)]
-    try:
-        while not (file.is_file() and file.stat().st_size):
-            time.sleep(0.05)
-        there = f"engine.address={json.loads(file.read_text())['address']}", "engine.timeout=60"
-        found = []
-        for engine in ("local",), ("processes",), ("dask", *there):
-            words = [*BRIEF, "solver.n_gen=5", "report=light", f"hydra.run.dir={engine[0]}"]
-            done = footopt(*words, f"engine={engine[0]}", *engine[1:], cwd=tmp_path)
-            assert done.returncode == 0, done.stderr
-            found.append((tmp_path / engine[0] / "designs.csv").read_bytes())
-        assert found == [found[0]] * 3
-    finally:
-        for process in processes:
-            process.kill()
-            process.wait()
+    here = {"processes": False, "dashboard_address": None, "host": "127.0.0.1", "protocol": "tcp"}
+    with (
+        distributed.LocalCluster(2, threads_per_worker=1, **here) as cluster,
+        make_executor("dask", address=cluster.scheduler_address, timeout=60.0) as there,
+    ):
+        assert_same(undisturbed, search(problem("pareto"), "nsga2", executor=there, **BUDGET))

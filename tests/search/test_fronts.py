@@ -9,7 +9,6 @@ import footopt as fo
 from footopt.design.archive import Archive
 from footopt.design.fronts import EXACT, Volume, reached
 from footopt.design.solvers import memetic
-from footopt.report.terminal import describe_search
 
 
 def sphere(count, objectives, seed=1):
@@ -78,14 +77,3 @@ def test_the_default_solver_remembers_only_so_many(monkeypatch):
     assert min(front for _, front in found[-4:]) >= 20
     assert max(front for _, front in found) <= 40
     assert result.designs == 360 == len(np.unique(result.k, axis=0))
-
-
-def test_a_large_front_is_shown_in_part(monkeypatch):
-    monkeypatch.setattr("footopt.design.result.SHOWN", 20)
-    result = fo.search(problem("pareto"), "nsga2", pop_size=60, n_gen=3, seed=1)
-    assert len(result.front) > 25
-    assert len(result.shown) == 20
-    assert result.shown[0] == result.best
-    assert set(result.shown) < set(result.front)
-    assert len(fo.design.confirm(result, "draft").designs) == 20
-    assert f"{len(result.front)} on the front (20 of them shown)" in describe_search(result)

@@ -21,19 +21,19 @@ from footopt.design.solvers.memetic import Archive, Memetic
 from footopt.errors import SettingError
 
 WAYS = get_reference_directions("das-dennis", 2, n_partitions=11)
-#: Every algorithm of one objective, and of several, of pymoo 0.6.2 that takes constraints, at its defaults.
+#: Algorithms of one objective, and of several, of pymoo 0.6.2 that take constraints, at their defaults; not
+#: the three that are imported, or compiled, for many seconds.
 SINGLE = (
     "ga:GA de:DE pso:PSO pso_ep:EPPSO es:ES cmaes:CMAES cmaes:BIPOPCMAES cmaes:SimpleCMAES nelder:NelderMead "
     "pattern:PatternSearch brkga:BRKGA g3pcx:G3PCX isres:ISRES sres:SRES direct:DIRECT nrbo:NRBO "
-    "random_search:RandomSearch ga_niching:NicheGA optuna:Optuna"
+    "random_search:RandomSearch ga_niching:NicheGA"
 )
 SEVERAL = (
     "nsga2:NSGA2 nsga3:NSGA3 unsga3:UNSGA3 rnsga2:RNSGA2 rnsga3:RNSGA3 sms:SMSEMOA spea2:SPEA2 rvea:RVEA "
     "ctaea:CTAEA cmopso:CMOPSO mopso_cd:MOPSO_CD gde3:GDE3 gde3:GDE32NN gde3:GDE3MNN gde3:GDE3PCD nsde:NSDE "
-    "nsder:NSDER omni:OmniOptimizer pinsga2:PINSGA2 age:AGEMOEA age2:AGEMOEA2"
+    "nsder:NSDER omni:OmniOptimizer pinsga2:PINSGA2"
 )
 UNCONSTRAINED = "moead:MOEAD moead:ParallelMOEAD dnsga2:DNSGA2"
-SLOW = ("optuna:Optuna", "age:AGEMOEA", "age2:AGEMOEA2")  # imported, or compiled, for many seconds
 POINTS = np.zeros((1, 2))
 ASKS = {  # what has no default
     **{module: {"ref_dirs": WAYS} for module in ("nsga3", "unsga3", "rvea", "ctaea", "nsder", "moead")},
@@ -42,16 +42,9 @@ ASKS = {  # what has no default
 }
 
 
-def each(paths):
-    """The parameters of a test: algorithms below a package of pymoo, those in SLOW marked."""
-    return [pytest.param(path, marks=[pytest.mark.slow] if path in SLOW else []) for path in paths.split()]
-
-
 def built(kind, path):
     """The algorithm at a path below `pymoo.algorithms`, at its defaults."""
     module, name = path.split(":")
-    if name == "Optuna":
-        pytest.importorskip("optuna")
     return getattr(import_module(f"pymoo.algorithms.{kind}.{module}"), name)(**ASKS.get(module, {}))
 
 
@@ -62,7 +55,7 @@ def check_found(p, x, f):
     np.testing.assert_array_equal(p.minimised(p.evaluate_designs(k).values), np.atleast_2d(f))
 
 
-@pytest.mark.parametrize("path", each(SINGLE))
+@pytest.mark.parametrize("path", SINGLE.split())
 def test_an_algorithm_of_one_objective_works_at_its_defaults(path):
     p, algorithm = problem(), built("soo.nonconvex", path)
     found = minimize(p, algorithm, ("n_eval", 30), seed=1)
@@ -73,7 +66,7 @@ def test_an_algorithm_of_one_objective_works_at_its_defaults(path):
     check_found(p, ours.X, ours.F)
 
 
-@pytest.mark.parametrize("path", each(SEVERAL))
+@pytest.mark.parametrize("path", SEVERAL.split())
 def test_an_algorithm_of_several_objectives_works_at_its_defaults(path):
     p, algorithm = problem(["distance", "work"]), built("moo", path)
     found = minimize(p, algorithm, ("n_gen", 2), seed=1)
@@ -82,7 +75,7 @@ def test_an_algorithm_of_several_objectives_works_at_its_defaults(path):
     check_found(p, ours.X, ours.F)
 
 
-@pytest.mark.parametrize("path", each(UNCONSTRAINED))
+@pytest.mark.parametrize("path", UNCONSTRAINED.split())
 def test_one_without_constraints_says_once_why_it_cannot_and_what_can_be_done(path):
     p, algorithm = problem(["distance", "work"]), built("moo", path)
     with pytest.raises(SettingError, match=r"solver = '\w+': must be .*constraints.*Try solver=nsga3"):

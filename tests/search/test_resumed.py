@@ -3,12 +3,11 @@
 FOOTOPT_TRIES says how many random searches are drawn for each solver.
 """
 
-import time
 from contextlib import suppress
 
 import numpy as np
 import pytest
-from running import BRIEF, ended, footopt, started, tries
+from running import tries
 from searching import assert_same, problem
 
 from footopt.design import Store, search
@@ -18,7 +17,7 @@ TWO, THREE = ["distance", "work"], ["distance", "work", "peak_power"]
 SEARCHES = {
     "memetic": ([["efficiency"], ["peak_power"]], 260),
     "archive": ([TWO, THREE], 120),
-    "agemoea2": ([THREE, "pareto"], 120),
+    "nsga2": ([THREE, "pareto"], 120),
     "auto": ([["efficiency"], TWO], 120),
 }
 
@@ -43,9 +42,7 @@ def dying(store, after, kept):
     return store
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=pytest.mark.slow) if n == "agemoea2" else n for n in SEARCHES]
-)
+@pytest.mark.parametrize("name", SEARCHES)
 @pytest.mark.parametrize("seed", range(tries(1)))
 def test_a_search_that_dies_anywhere_ends_as_one_that_did_not(name, seed, tmp_path):
     draw, (objectives, most) = np.random.default_rng([seed, len(name)]), SEARCHES[name]
@@ -64,19 +61,3 @@ def test_a_search_that_dies_anywhere_ends_as_one_that_did_not(name, seed, tmp_pa
     r = search(p, name, store=path, **budget)
     assert r.evaluations >= walks or "nothing more" in r.stopped
     assert_same(r, whole)
-
-
-@pytest.mark.slow
-def test_a_run_that_is_killed_while_figures_are_drawn_is_resumed_at_once(tmp_path):
-    """Nothing of it holds the folder, and what was half-written is replaced."""
-    run, folder = started(*BRIEF, "hydra.run.dir=run", cwd=tmp_path, drawn=True), tmp_path / "run"
-    while not (folder / "figures").exists():
-        assert run.poll() is None, run.stderr.read()
-        time.sleep(0.01)
-    run.kill()
-    run.wait()
-    (folder / ".contour.new.csv").write_text("half")
-    done = footopt("resume=run", cwd=tmp_path)
-    ended(run)
-    assert done.returncode == 0, done.stderr
-    assert not list(folder.rglob(".*"))

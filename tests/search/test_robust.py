@@ -203,11 +203,3 @@ class TestRobustProblem:
             "both": {fo.LeadingEdge(), fo.Shadowing()},
         }
         assert all(slope in effects for effects in found.values())
-
-    def test_scenarios_must_be_there_and_have_names(self):
-        with pytest.raises(SettingError, match="at least one"):
-            problem([])
-        with pytest.raises(SettingError, match="different names"):
-            problem([SANDS[0], SANDS[0]])
-        with pytest.raises(SettingError, match=r"scene\.t_f = 0\.5"):
-            problem([SANDS[0], fo.Scenario("short", fo.Scene(t_f=0.5))])
