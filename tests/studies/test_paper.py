@@ -44,8 +44,7 @@ class TestChoices:
         done = {}
 
         def numbers(settings):
-            found = evidence(settings, done)
-            every = [*found.shapes.values(), *found.optima.values()]
+            every = evidence(settings, done).values()
             return [
                 walk.objectives[name] for walk in every for name in ("distance", "peak_power", "speed_loss")
             ]
@@ -104,7 +103,7 @@ def test_the_study_leaves_figures_claims_and_a_page_and_searches_nothing_twice(t
     for entry in found["claims"]:
         assert entry["verdict"] in VERDICTS
         assert set(entry["changed"]) == {"foot.apex=toe", "foot.box_tolerance=.inf"}
-    hard = found["optima"]["hard"]
+    hard = found["walks"]["hard"]
     walked = fo.simulate(fo.Foot.from_waypoints(hard["k"]), fo.Scene(), "draft").objectives
     assert hard["objectives"] == {name: walked[name] for name in hard["objectives"]}
     assert f"{len(CLAIMS)} claims" in capsys.readouterr().out

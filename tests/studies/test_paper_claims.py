@@ -95,14 +95,14 @@ def cast(found, name, subject, others):
     """The numbers with one walk for what a claim is about, and another for what it is compared with."""
     figure, whose = CLAIMS[name]["place"][:6], name.split("_")[0]
     if figure == "Fig. 7":
-        return found._replace(crossed=subject, filled=subject, optima={**found.optima, "hard": others})
+        return found | {"crossed": subject, "filled": subject, "hard": others}
     mine = {
         "triangle": ["reversed_triangle"],
         "flat": ["rectangle"],
         "ellipse": ["ellipse", "rectangle"],
     }.get(whose, [whose])
-    group = "shapes" if figure == "Fig. 4" else "optima"
-    return found._replace(**{group: {n: subject if n in mine else others for n in getattr(found, group)}})
+    group = SHAPES if figure == "Fig. 4" else SANDS
+    return found | {n: subject if n in mine else others for n in group}
 
 
 #: Claims with a limit, which compare nothing.
@@ -113,13 +113,13 @@ ALONE |= {"hard_hollow", "regular_convex", "soft_convex"}
 class TestClaims:
     def test_every_claim_has_a_measure_and_every_measure_a_claim(self, evidence):
         assert list(CLAIMS) == list(MEASURES)
-        assert np.isfinite(list(measure(evidence).values())).all()
+        assert np.isfinite(list(measure(evidence, "walk").values())).all()
         assert f"less {LIMITS['marked_loss']:g} m/s" in CLAIMS["circle_loses"]["decided"]
 
     @pytest.mark.parametrize("name", [name for name in CLAIMS if name not in ALONE])
     def test_a_claim_turns_when_what_it_compares_is_exchanged(self, evidence, name):
-        found = claims.find(evidence)
-        one, other = found.optima["hard"], found.optima["soft"]
+        found = {n: claims.numbers(w, "walk") for n, w in evidence.items()}
+        one, other = found["hard"], found["soft"]
         there, back, same = (
             MEASURES[name](cast(found, name, *pair)) for pair in ((one, other), (other, one), (one, one))
         )
@@ -128,37 +128,37 @@ class TestClaims:
         assert same == 0.0, "a claim holds of walks that are the same"
 
     def test_claims_that_compare_nothing_turn_at_their_limits(self, evidence, walk):
-        def margin(name, **changes):
-            return measure(replace(evidence, **changes))[name]
+        def margin(name, walks):
+            return measure(evidence | walks, "walk")[name]
 
         steady = replace(walk, velocity=np.ones_like(walk.velocity))
-        assert margin("circle_loses", shapes=dict.fromkeys(SHAPES, steady)) == -LIMITS["marked_loss"]
+        assert margin("circle_loses", dict.fromkeys(SHAPES, steady)) == -LIMITS["marked_loss"]
         same, hopping = dict.fromkeys(SHAPES, walk), replace(walk, velocity=-5.0 * walk.velocity)
-        assert margin("same_vertical_velocity", shapes=same) == pytest.approx(0.2)
-        assert margin("same_vertical_velocity", shapes=same | {"circle": hopping}) < 0.0
-        hollow, convex = evidence.optima["hard"], evidence.optima["soft"]
+        assert margin("same_vertical_velocity", same) == pytest.approx(0.2)
+        assert margin("same_vertical_velocity", same | {"circle": hopping}) < 0.0
+        hollow, convex = evidence["hard"], evidence["soft"]
         for name, holds in (("hard_hollow", hollow), ("regular_convex", convex), ("soft_convex", convex)):
             for found in (hollow, convex):
-                assert (margin(name, optima=dict.fromkeys(SANDS, found)) > 0.0) == (found is holds), name
+                assert (margin(name, dict.fromkeys(SANDS, found)) > 0.0) == (found is holds), name
         touched = walk.t[stance(walk).first] + LIMITS["push_off"]
         for late in (True, False):
             force = walk.force * ((walk.t >= touched) == late)[:, None, None]
             force[..., 1] = walk.force[..., 1]
             pushes = dict.fromkeys(SANDS, replace(walk, force=force))
-            assert margin("push_off_carries", optima=pushes) == pytest.approx(0.5 if late else -0.5)
+            assert margin("push_off_carries", pushes) == pytest.approx(0.5 if late else -0.5)
 
     def test_a_walk_that_failed_leaves_its_claims_undecided(self, evidence, failed):
-        margins = measure(replace(evidence, optima={**evidence.optima, "soft": failed}))
+        margins = measure(evidence | {"soft": failed}, "walk")
         about_the_contour = ("soft_convex", "soft_curves_little")
         for name in CLAIMS:
             if name.startswith("soft_") and name not in about_the_contour:
                 assert math.isnan(margins[name]), name
         assert math.isfinite(margins["regular_foot_more_work"])
-        margins = measure(replace(evidence, shapes={**evidence.shapes, "circle": failed}))
+        margins = measure(evidence | {"circle": failed}, "walk")
         assert all(math.isnan(margins[name]) for name in CLAIMS if "circle" in name or "vertical" in name)
 
     def test_the_stored_margins_are_what_is_measured(self):
-        margins = measure(walked(config(), {sand: foot["k"] for sand, foot in STORED["optima"].items()}))
+        margins = measure(walked(config(), {sand: STORED["walks"][sand]["k"] for sand in SANDS}), "walk")
         stored = {claim["id"]: claim["margin"] for claim in STORED["claims"]}
         assert margins == pytest.approx(stored, rel=1e-6)
 
@@ -184,7 +184,7 @@ class TestQuantities:
         assert claims.of_contour(fo.Foot.from_waypoints(HOLLOW))["inward_turn"] > 10.0
 
     def test_a_filled_foot_is_the_hull_and_has_no_hollow(self, evidence):
-        foot, full = fo.Foot.from_waypoints(HOLLOW), evidence.filled.foot
+        foot, full = fo.Foot.from_waypoints(HOLLOW), evidence["filled"].foot
         assert foot.hollow > 0.003
         assert full.hollow == pytest.approx(0.0, abs=1e-12)
         z = np.interp(foot.contour[:, 0], *full.contour.T)

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from matplotlib.figure import Figure
 
 from footopt.files.outline import MM
+from footopt.foot import SHAPES
 from footopt.gait import Gait
 from footopt.report import style
 from footopt.report.figures.foot import contour, contours
@@ -28,20 +29,19 @@ def gait(shown: Gait, walker: Walker) -> Figure:
     return figure
 
 
-def all_figures(
-    of_shapes: Mapping[str, Walk], optima: Mapping[str, Walk], crossed: Walk
-) -> dict[str, tuple[Figure, str]]:
+def all_figures(walks: Mapping[str, Walk]) -> dict[str, tuple[Figure, str]]:
     """The paper's figures and their captions, by file name.
 
-    They show walks of the five shapes by name, of each sand's best foot by sand, and of that for regular sand
-    on hard sand.
+    They show walks of the five shapes and of each sand's best foot by their names, and "crossed", that of the
+    foot for regular sand on hard sand.
     """
-    by_shape = {title(name): walk for name, walk in of_shapes.items()}
-    by_sand = {sand: optima[sand] for sand in style.SANDS}
+    by_shape = {title(name): walks[name] for name in SHAPES}
+    by_sand = {sand: walks[sand] for sand in style.SANDS}
+    crossed, hard = walks["crossed"], walks["hard"]
     shapes = {name: walk.foot for name, walk in by_shape.items()}
     feet = {f"{sand} (hollow {MM * w.foot.hollow:.1f} mm)": w.foot for sand, w in by_sand.items()}
     joints = gait(crossed.scene.gait, crossed.scene.walker)
-    waypoints = contour(optima["hard"].foot)
+    waypoints = contour(hard.foot)
     return {
         "fig2b_gait": (
             joints,
@@ -52,7 +52,7 @@ def all_figures(
         "fig4b_shapes_power_work": (power_work(by_shape), "Power and work by shape (figure 4b)."),
         "fig5_waypoints": (waypoints, "The waypoints of a sole, their box, and its spline (figure 5)."),
         "fig6_contours": (contours(feet), "The best soles for soft, regular and hard sand (figure 6)."),
-        "fig7a_step": (step(optima["hard"]), "A step on hard sand with its best foot (figure 7)."),
+        "fig7a_step": (step(hard), "A step on hard sand with its best foot (figure 7)."),
         "fig7b_step": (step(crossed), "The same with the best foot for regular sand (figure 7)."),
         "fig8a_sands_states": (
             com(by_sand),

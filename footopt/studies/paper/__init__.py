@@ -8,16 +8,16 @@ from typing import Any
 
 from footopt.errors import FootoptError
 from footopt.files.io import plain
-from footopt.foot import Foot
+from footopt.foot import SHAPES, Foot
 from footopt.foot.waypoints import heights_text
 from footopt.report import terminal
 from footopt.report.figures.paper import all_figures
 from footopt.report.figures.tables import claims as draw_claims
 from footopt.report.numbers import number
-from footopt.studies.base import Study, foot_entry, scene_entry
+from footopt.studies.base import Study, scene_entry
 from footopt.studies.build import check_searchable
 from footopt.studies.paper.claims import CLAIMS, measure
-from footopt.studies.paper.walks import SANDS, Evidence, changes, evidence
+from footopt.studies.paper.walks import SANDS, changes, evidence
 from footopt.walk import FIVE, OBJECTIVES, Walk, simulate
 
 __all__ = ["run"]
@@ -41,15 +41,15 @@ def run(study: Study) -> None:
     with study.progress(1 + len(others), "choice") as step:
         own = evidence(config, searched)
         step(news="the settings")
-        for name, (figure, caption) in all_figures(own.shapes, own.optima, own.crossed).items():
+        for name, (figure, caption) in all_figures(own).items():
             study.save(name, figure, caption)
         for name, other in others.items():
             try:
-                margins[name] = measure(evidence(other, searched))
+                margins[name] = measure(evidence(other, searched), other.study.speed_loss)
             except FootoptError:  # a search found no foot at all
                 margins[name] = dict.fromkeys(CLAIMS, nan)
             step(news=name)
-    found = content(own, margins)
+    found = content(own, measure(own, config.study.speed_loss), margins)
     study.save("claims", draw_claims(found["claims"]), CAPTION)
     study.conclude(
         "The paper, judged",
@@ -60,7 +60,7 @@ def run(study: Study) -> None:
         {
             "seed": config.solver.seed,
             **found,
-            **scene_entry(own.crossed.scene, own.crossed.accuracy, tuple(OBJECTIVES)),
+            **scene_entry(own["hard"].scene, own["hard"].accuracy, tuple(OBJECTIVES)),
         },
         summary=(f"{summary(found)}.",),
     )
@@ -72,24 +72,25 @@ def judge(margin: float, changed: Mapping[str, float]) -> dict[str, Any]:
     It hangs on the choices that turn it. A margin that is NaN, of a walk that failed, turns nothing.
     """
     turned = [name for name, m in changed.items() if isfinite(m + margin) and (m > 0.0) != (margin > 0.0)]
-    own = (0 if margin > 0.0 else 1) if isfinite(margin) else 3
-    verdict = VERDICTS[2 if turned else own]
+    holds, fails, hangs, undecided = VERDICTS
+    verdict = hangs if turned else holds if margin > 0.0 else fails if isfinite(margin) else undecided
     return {"margin": margin, "verdict": verdict, "hangs_on": turned, "changed": dict(changed)}
 
 
-def content(own: Evidence, margins: Mapping[str, Mapping[str, float]]) -> dict[str, Any]:
-    """The study's part of result.json, in JSON's own types; `margins`: of each claim by each change."""
+def content(
+    walks: Mapping[str, Walk], margins: Mapping[str, float], changed: Mapping[str, Mapping[str, float]]
+) -> dict[str, Any]:
+    """The study's part of result.json, in JSON's own types; `changed`: the margins by each change."""
     claims = []
-    for name, margin in measure(own).items():
-        judged = judge(margin, {change: found[name] for change, found in margins.items()})
+    for name, margin in margins.items():
+        judged = judge(margin, {change: found[name] for change, found in changed.items()})
         claims.append({"id": name, **CLAIMS[name], **judged})
-    feet = {sand: foot_entry(walk.foot) | _walk_entry(walk) for sand, walk in own.optima.items()}
-    shapes = {name: _walk_entry(walk) for name, walk in own.shapes.items()}
-    return dict(plain({"claims": claims, "optima": feet, "shapes": shapes}))
-
-
-def _walk_entry(walk: Walk) -> dict[str, Any]:
-    return {"reason": walk.reason, "objectives": {name: walk.objectives[name] for name in JUDGED}}
+    feet = {
+        name: {"k": w.foot.k, "reason": w.reason, "objectives": {n: w.objectives[n] for n in JUDGED}}
+        for name, w in walks.items()
+        if name in (*SANDS, *SHAPES)
+    }
+    return dict(plain({"claims": claims, "walks": feet}))
 
 
 def summary(found: Entry) -> str:
@@ -102,10 +103,13 @@ def summary(found: Entry) -> str:
 def tables(found: Entry) -> list[tuple[str, Sequence[str], list[list[str]]]]:
     """The tables of `content`: a title, a head and rows each."""
     claims = [[c["place"], c["says"], *_judgement(c)] for c in found["claims"]]
-    feet = {f"the best for {sand} sand": foot for sand, foot in found["optima"].items()} | found["shapes"]
     walks = [
-        [name, heights_text(foot["k"]) if "k" in foot else "", *_measures(foot)]
-        for name, foot in feet.items()
+        [
+            f"the best for {name} sand" if name in SANDS else name,
+            heights_text(walk["k"]) if walk["k"] else "",
+            *(walk["reason"] or "-" if v is None else number(v) for v in walk["objectives"].values()),
+        ]
+        for name, walk in found["walks"].items()
     ]
     return [
         ("Claims", ("figure", "claim", "margin", "verdict"), claims),
@@ -119,7 +123,3 @@ def _judgement(claim: Entry) -> list[str]:
     if turned:
         verdict = f"holds, but not with {turned}" if margin > 0.0 else f"holds only with {turned}"
     return ["-" if margin is None else f"{margin:+.3g} {claim['unit']}".rstrip(), verdict]
-
-
-def _measures(walk: Entry) -> list[str]:
-    return [walk["reason"] or "-" if v is None else number(v) for v in walk["objectives"].values()]

@@ -8,21 +8,22 @@ from __future__ import annotations
 
 import tomllib
 from collections import defaultdict
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from importlib.resources import files
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.foot import Foot
+from footopt.foot import SHAPES, Foot
 from footopt.gait.gait import RIGHT
-from footopt.studies.paper.walks import Evidence, switch_losses
+from footopt.studies.paper.walks import SANDS, switch_losses
 from footopt.walk import Walk
 from footopt.walk.phases import LEAST_FORCE, stance
 
 Array = NDArray[np.float64]
-Numbers = Mapping[str, float]  # of a walk, by name
+Numbers = Mapping[str, Any]  # of a walk, by name; NaN where it failed
+Walks = Mapping[str, Numbers]  # of the walks of `evidence`, by their names
 
 #: Numbers that stand in for the paper's words; none was moved to turn a verdict.
 LIMITS = {
@@ -34,9 +35,13 @@ LIMITS = {
 }
 
 
+INSTANTS = 1000  # of a curve
+
+
 def numbers(walk: Walk, speed_loss: str) -> Numbers:
     """The numbers that claims compare, of the sole and of the walk; the latter are NaN if it failed."""
-    found: dict[str, float] = defaultdict(lambda: np.nan, of_contour(walk.foot))
+    found: dict[str, Any] = defaultdict(lambda: np.nan, of_contour(walk.foot))
+    found["vertical_velocity"] = np.full(INSTANTS, np.nan)
     if walk.feasible:
         losses = {f"loss_{i}": loss for i, loss in enumerate(switch_losses(walk, speed_loss))}
         found |= {**walk.objectives, **of_traces(walk), **of_first_step(walk), **losses}
@@ -55,7 +60,7 @@ def of_contour(foot: Foot) -> dict[str, float]:
     }
 
 
-def of_traces(walk: Walk) -> dict[str, float]:
+def of_traces(walk: Walk) -> dict[str, Any]:
     """Numbers of the traces, most of them from the first heel strike on: means over time, and peaks."""
     gait, late = walk.scene.gait, walk.t >= walk.scene.gait.heel_strike
     t, drag = walk.t[late], walk.force[late, :, 0]
@@ -65,7 +70,9 @@ def of_traces(walk: Walk) -> dict[str, float]:
 
     fast = np.flatnonzero(walk.velocity[:, 0] >= LIMITS["normal_speed"])
     three_steps = gait.heel_strike + 1.5 * gait.period
+    instants = np.linspace(gait.start, walk.scene.duration, INSTANTS)
     return {
+        "vertical_velocity": np.interp(instants, walk.t, walk.velocity[:, 1]),
         "mean_speed": mean(walk.velocity[late, 0]),
         "time_to_speed": float(walk.t[fast[0]]) if len(fast) else walk.scene.duration,
         "work_after_three_steps": abs(float(np.interp(three_steps, walk.t, walk.work.sum(axis=1)))),
@@ -100,109 +107,81 @@ def of_first_step(walk: Walk, instants: int = 100) -> dict[str, float]:
     }
 
 
-class Found(NamedTuple):
-    """`Evidence` as numbers."""
-
-    shapes: Mapping[str, Numbers]
-    optima: Mapping[str, Numbers]
-    crossed: Numbers
-    filled: Numbers
-    parting: float  # of the shapes' vertical velocities
-
-
-def find(e: Evidence) -> Found:
-    """The numbers of all walks."""
-
-    def each(walks: Mapping[str, Walk]) -> dict[str, Numbers]:
-        return {name: numbers(walk, e.speed_loss) for name, walk in walks.items()}
-
-    others = each({"crossed": e.crossed, "filled": e.filled})
-    return Found(each(e.shapes), each(e.optima), **others, parting=vertical_parting(e.shapes))
-
-
-def vertical_parting(walks: Mapping[str, Walk]) -> float:
-    """The largest rms distance of a walk's V_z(t) from the walks' mean, over the rms of the mean."""
-    if not all(walk.feasible for walk in walks.values()):
-        return np.nan
-    scene = next(iter(walks.values())).scene
-    t = np.linspace(scene.gait.start, scene.duration, 1000)
-    curves = np.array([np.interp(t, walk.t, walk.velocity[:, 1]) for walk in walks.values()])
+def parting(walks: Walks) -> float:
+    """The largest rms distance of a shape's V_z(t) from their mean, over the rms of the mean."""
+    curves = np.array([walks[name]["vertical_velocity"] for name in SHAPES])
     middle = curves.mean(axis=0)
-    parted = np.sqrt(np.mean((curves - middle) ** 2, axis=1))
-    return float(parted.max() / np.sqrt(np.mean(middle**2)))
+    return float(rms(curves - middle).max() / rms(middle))
 
 
-def lead(walks: Mapping[str, Numbers], number: str, *names: str) -> float:
-    """How far a number of some walks is above that of all others."""
-    values = {name: found[number] for name, found in walks.items()}
-    own = [values.pop(name) for name in names]
-    return float(np.min(own) - np.max(list(values.values())))
+def rms(curves: Array) -> Array:
+    """Root mean square over time."""
+    return np.asarray(np.sqrt(np.mean(curves**2, axis=-1)))
 
 
-def trail(walks: Mapping[str, Numbers], number: str, *names: str) -> float:
-    """How far a number of some walks is below that of all others."""
-    return lead({name: {number: -found[number]} for name, found in walks.items()}, number, *names)
+def lead(walks: Walks, group: Iterable[str], number: str, *names: str) -> float:
+    """How far a number of some walks is above that of all others of a group."""
+    others = [walks[name][number] for name in group if name not in names]
+    return float(np.min([walks[name][number] for name in names]) - np.max(others))
 
 
-def loses_most(walks: Mapping[str, Numbers], name: str) -> float:
-    """How much more speed a walk loses than all others, at the switch where that is least."""
-    return float(np.min([lead(walks, f"loss_{i}", name) for i in range(3)]))
+def trail(walks: Walks, group: Iterable[str], number: str, *names: str) -> float:
+    """How far a number of some walks is below that of all others of a group."""
+    others = [walks[name][number] for name in group if name not in names]
+    return float(np.min(others) - np.max([walks[name][number] for name in names]))
 
 
-def regular_foot(e: Found, number: str) -> float:
-    """How much more of something the foot for regular sand has on hard sand than its own foot."""
-    return e.crossed[number] - e.optima["hard"][number]
+def least_lead(walks: Walks, group: Iterable[str], numbers: Iterable[str], name: str) -> float:
+    """How far several numbers of a walk are above those of all others, of the one where that is least."""
+    return float(np.min([lead(walks, group, number, name) for number in numbers]))
 
 
-def soft_drag(e: Found, drag: str) -> float:
-    """How much larger a drag on soft sand is, in the direction where that is least."""
-    return float(np.min([lead(e.optima, f"{drag}_{way}", "soft") for way in ("forwards", "backwards")]))
+def more(walks: Walks, number: str, name: str = "crossed") -> float:
+    """How much more of a number a walk on hard sand has than that with its best foot."""
+    return float(walks[name][number] - walks["hard"][number])
 
 
 TRIANGLE = "reversed_triangle"
-MEASURES: dict[str, Callable[[Found], float]] = {
+LOSSES = ("loss_0", "loss_1", "loss_2")
+MEASURES: dict[str, Callable[[Walks], float]] = {
     # the five shapes
-    "triangle_furthest": lambda e: lead(e.shapes, "distance", TRIANGLE),
-    "triangle_fastest": lambda e: lead(e.shapes, "mean_speed", TRIANGLE),
-    "flat_next": lambda e: lead(
-        {n: v for n, v in e.shapes.items() if n != TRIANGLE}, "distance", "rectangle"
-    ),
-    "circle_highest": lambda e: lead(e.shapes, "mean_height", "circle"),
-    "circle_shortest": lambda e: trail(e.shapes, "distance", "circle"),
-    "circle_loses": lambda e: (
-        float(np.min([e.shapes["circle"][f"loss_{i}"] for i in range(3)])) - LIMITS["marked_loss"]
-    ),
-    "circle_loses_most": lambda e: loses_most(e.shapes, "circle"),
-    "same_vertical_velocity": lambda e: LIMITS["not_obvious"] - e.parting,
-    "circle_most_power": lambda e: lead(e.shapes, "peak_power", "circle"),
-    "ellipse_and_flat_least_power": lambda e: trail(e.shapes, "peak_power", "ellipse", "rectangle"),
+    "triangle_furthest": lambda w: lead(w, SHAPES, "distance", TRIANGLE),
+    "triangle_fastest": lambda w: lead(w, SHAPES, "mean_speed", TRIANGLE),
+    "flat_next": lambda w: lead(w, {*SHAPES} - {TRIANGLE}, "distance", "rectangle"),
+    "circle_highest": lambda w: lead(w, SHAPES, "mean_height", "circle"),
+    "circle_shortest": lambda w: trail(w, SHAPES, "distance", "circle"),
+    "circle_loses": lambda w: np.min([w["circle"][n] for n in LOSSES]) - LIMITS["marked_loss"],
+    "circle_loses_most": lambda w: least_lead(w, SHAPES, LOSSES, "circle"),
+    "same_vertical_velocity": lambda w: LIMITS["not_obvious"] - parting(w),
+    "circle_most_power": lambda w: lead(w, SHAPES, "peak_power", "circle"),
+    "ellipse_and_flat_least_power": lambda w: trail(w, SHAPES, "peak_power", "ellipse", "rectangle"),
     # the contours
-    "hard_hollow": lambda e: -e.optima["hard"]["convexity"],
-    "hard_bends_in": lambda e: lead(e.optima, "inward_turn", "hard"),
-    "regular_convex": lambda e: e.optima["regular"]["convexity"],
-    "soft_convex": lambda e: e.optima["soft"]["convexity"],
-    "regular_curves_little": lambda e: e.optima["hard"]["curvature"] - e.optima["regular"]["curvature"],
-    "soft_curves_little": lambda e: e.optima["hard"]["curvature"] - e.optima["soft"]["curvature"],
+    "hard_hollow": lambda w: -w["hard"]["convexity"],
+    "hard_bends_in": lambda w: lead(w, SANDS, "inward_turn", "hard"),
+    "regular_convex": lambda w: w["regular"]["convexity"],
+    "soft_convex": lambda w: w["soft"]["convexity"],
+    "regular_curves_little": lambda w: -more(w, "curvature", "regular"),
+    "soft_curves_little": lambda w: -more(w, "curvature", "soft"),
     # a step on hard sand
-    "hollow_spares_plates": lambda e: e.filled["middle_zone"] - e.optima["hard"]["middle_zone"],
-    "hollow_saves_work": lambda e: e.filled["work"] - e.optima["hard"]["work"],
-    "push_off_carries": lambda e: e.optima["hard"]["push_off_share"] - 0.5,
-    "regular_foot_larger_zone": lambda e: regular_foot(e, "zone"),
-    "regular_foot_leads": lambda e: 1e3 * regular_foot(e, "centre"),
-    "regular_foot_pushes_longer": lambda e: regular_foot(e, "push_time"),
-    "regular_foot_more_power": lambda e: regular_foot(e, "peak_power"),
-    "regular_foot_more_work": lambda e: regular_foot(e, "work"),
+    "hollow_spares_plates": lambda w: more(w, "middle_zone", "filled"),
+    "hollow_saves_work": lambda w: more(w, "work", "filled"),
+    "push_off_carries": lambda w: w["hard"]["push_off_share"] - 0.5,
+    "regular_foot_larger_zone": lambda w: more(w, "zone"),
+    "regular_foot_leads": lambda w: 1e3 * more(w, "centre"),
+    "regular_foot_pushes_longer": lambda w: more(w, "push_time"),
+    "regular_foot_more_power": lambda w: more(w, "peak_power"),
+    "regular_foot_more_work": lambda w: more(w, "work"),
     # three sands, each with its best foot
-    "hard_furthest": lambda e: lead(e.optima, "distance", "hard"),
-    "hard_sinks_least": lambda e: trail(e.optima, "maximum_sinkage", "hard"),
-    "soft_shortest": lambda e: trail(e.optima, "distance", "soft"),
-    "soft_sinks_deepest": lambda e: lead(e.optima, "maximum_sinkage", "soft"),
-    "soft_loses_most": lambda e: loses_most(e.optima, "soft"),
-    "soft_slowest_start": lambda e: lead(e.optima, "time_to_speed", "soft"),
-    "soft_peak_drag": lambda e: soft_drag(e, "peak_drag"),
-    "soft_mean_drag": lambda e: soft_drag(e, "mean_drag"),
-    "soft_longest_contact": lambda e: lead(e.optima, "contact_share", "soft"),
-    "soft_most_work": lambda e: lead(e.optima, "work_after_three_steps", "soft"),
+    "hard_furthest": lambda w: lead(w, SANDS, "distance", "hard"),
+    "hard_sinks_least": lambda w: trail(w, SANDS, "maximum_sinkage", "hard"),
+    "soft_shortest": lambda w: trail(w, SANDS, "distance", "soft"),
+    "soft_sinks_deepest": lambda w: lead(w, SANDS, "maximum_sinkage", "soft"),
+    "soft_loses_most": lambda w: least_lead(w, SANDS, LOSSES, "soft"),
+    "soft_slowest_start": lambda w: lead(w, SANDS, "time_to_speed", "soft"),
+    "soft_peak_drag": lambda w: least_lead(w, SANDS, ("peak_drag_forwards", "peak_drag_backwards"), "soft"),
+    "soft_mean_drag": lambda w: least_lead(w, SANDS, ("mean_drag_forwards", "mean_drag_backwards"), "soft"),
+    "soft_longest_contact": lambda w: lead(w, SANDS, "contact_share", "soft"),
+    "soft_most_work": lambda w: lead(w, SANDS, "work_after_three_steps", "soft"),
 }
 
 #: The words of each claim, by the name of its measure.
@@ -213,8 +192,8 @@ for claim in CLAIMS.values():
     claim["decided"] = claim["decided"].format(**LIMITS)
 
 
-def measure(evidence: Evidence) -> dict[str, float]:
-    """The margins of all claims, by their names."""
+def measure(walks: Mapping[str, Walk], speed_loss: str) -> dict[str, float]:
+    """The margins of all claims, by their names, of the walks of `evidence` and the reading of dV_x."""
+    found = {name: numbers(walk, speed_loss) for name, walk in walks.items()}
     with np.errstate(invalid="ignore"):
-        found = find(evidence)
         return {name: float(margin(found)) for name, margin in MEASURES.items()}

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import replace
 from math import nan
 from typing import Any
 
@@ -132,21 +132,12 @@ def make_shapes(config: Config) -> dict[str, Foot]:
     return feet
 
 
-@dataclass(frozen=True, eq=False)
-class Evidence:
-    """The walks that claims are measured on, with p_max and dV_x as they are read."""
+def evidence(config: Config, found: dict[str, list[int]]) -> dict[str, Walk]:
+    """Search the best feet by J_W as it is read, and simulate all that claims need, by name.
 
-    shapes: Mapping[str, Walk]  # of the five shapes, by name
-    optima: Mapping[str, Walk]  # of the best foot of each sand on that sand, by sand
-    crossed: Walk  # of the best foot for regular sand, on hard sand
-    filled: Walk  # of the best foot for hard sand with its hollow filled up, on hard sand
-    speed_loss: str  # how dV_x is read
-
-
-def evidence(config: Config, found: dict[str, list[int]]) -> Evidence:
-    """Search the best feet by J_W as it is read, and simulate all that claims need.
-
-    `found` has the soles that searches have found, by their settings: no search is done twice.
+    They are those of each sand's best foot and of the five shapes; "crossed", the foot for regular sand on
+    hard sand; "filled", the foot for hard sand with its hollow filled up. `found` has the soles that searches
+    have found, by their settings: no search is done twice.
     """
     study, solver = config.study, Solver(**vars(config.solver))
     for choice, words in CHOICES.items():
@@ -176,10 +167,8 @@ def evidence(config: Config, found: dict[str, list[int]]) -> Evidence:
     shapes, feet = make_shapes(config), {sand: best(sand) for sand in SANDS}
     hull = lower_hull(feet["hard"].contour)[0]
     filled = replace(feet["hard"], contour=hull, name="filled", k=None, space=None)
-    return Evidence(
-        shapes={name: walk(foot, study.shape_sand) for name, foot in shapes.items()},
-        optima={sand: walk(foot, sand) for sand, foot in feet.items()},
-        crossed=walk(feet["regular"], "hard"),
-        filled=walk(filled, "hard"),
-        speed_loss=study.speed_loss,
+    return (
+        {sand: walk(foot, sand) for sand, foot in feet.items()}
+        | {name: walk(foot, study.shape_sand) for name, foot in shapes.items()}
+        | {"crossed": walk(feet["regular"], "hard"), "filled": walk(filled, "hard")}
     )
