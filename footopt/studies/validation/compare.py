@@ -45,7 +45,7 @@ class Comparison:
     quantity: str
     unit: str
     law: tuple[str, ...]  # the effects that are on
-    points: Sequence[Any]  # numbers of the experiment's x, or names
+    points: Sequence[Any]  # of the experiment's x: numbers, names, or pairs of angles
     simulated: Array  # (M,), S
     measured: Array  # (M,), D
     numerical: Array  # (M,), u_num
@@ -121,14 +121,11 @@ class Experiment:
 
         coarse, fine = run(), run(fine=True)
         spans = [(run(changed=name, end="low"), run(changed=name, end="high")) for name in inputs]
-        published, points = {}, setup[content["x"]] if "x" in content else [""]
-        if content["rig"] == "plate":
-            published = rig.measured_map(setup)
-            points = [f"beta {b:.0f}, gamma {g:.0f}" for b, g in np.degrees(rig.angles(setup)).T]
+        points = setup[content["x"]] if "x" in content else [""]
         found, none = [], np.zeros(len(points))
         for q in content["quantities"]:
             name, unit = q["name"], UNITS[q["unit"]]
-            measured = np.asarray(published[name] / unit if published else q["measured"], float)
+            measured = np.asarray(q["measured"], float)
             scale = float(q.get("scale", rms(measured)))
             halves = [0.5 * (high[name] - low[name]) / unit for low, high in spans]
             comparison = Comparison(

@@ -6,9 +6,9 @@ prediction of each quantity at M points or at all of them, in SI units. Plates a
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -18,11 +18,9 @@ from footopt.effects import reshaping
 from footopt.effects.base import parameters
 from footopt.foot import Foot
 from footopt.gait.gait import Pose
-from footopt.mujoco.faces import stress
 from footopt.mujoco.intrusion import Grains
-from footopt.sand import Sand, StressMap, alpha
-from footopt.sand.law import PER_CM3
-from footopt.walk import Scene, simulate
+from footopt.sand import Sand
+from footopt.walk import Scene, Walk, simulate
 from footopt.walk.plates import plate_states
 
 Array = NDArray[np.float64]
@@ -107,42 +105,12 @@ def blades(length: float, count: int, height: float, thickness: float) -> Array:
 
 
 def plate(setup: Values, inputs: Values, scene: Scene, fine: bool) -> dict[str, Array]:
-    """Stress per depth on small plates at all angles of a table, for each direction of motion."""
-    beta, gamma = angles(setup)
+    """Stress per depth on small plates at given pairs of their angle and direction of motion, deg."""
+    beta, gamma = np.radians(np.asarray(setup["pairs"], float).T)
     velocity = np.stack([np.cos(gamma), -np.sin(gamma)], axis=-1)
     # one plate of 1 m^2 at a depth of 1 m: stress per metre
     force = body(flat(1.0, 1.0), scene, 1)(np.full(len(beta), -1.0), velocity, 0.0, beta)
     return {"alpha_x": -force[:, 0], "alpha_z": force[:, 1]}
-
-
-def angles(setup: Values) -> tuple[Array, Array]:
-    """Return beta and gamma of the plates, each (M,), rad: given pairs, or all, or those whose face leads."""
-    if "pairs" in setup:
-        beta, gamma = np.radians(np.asarray(setup["pairs"], float).T)
-        return beta, gamma
-    both = np.meshgrid(np.radians(setup["beta"]), np.radians(setup["gamma"]), indexing="ij")
-    beta, gamma = (each.ravel() for each in both)
-    leads = np.sin(beta + gamma) > 1e-9
-    return (beta[leads], gamma[leads]) if setup.get("map") == "3D-RFT" else (beta, gamma)
-
-
-def measured_map(setup: Values) -> dict[str, Array]:
-    """Return another map's stresses per depth at an experiment's angles, N/m^3.
-
-    Empty where an experiment states what was measured at each pair of angles.
-    """
-    if "pairs" in setup:
-        return {}
-    beta, gamma = angles(setup)
-    if setup.get("map") == "3D-RFT":
-        up, rough = (0.0, 0.0, 1.0), math.inf  # no limit by the friction of the surface
-        x, _, z = PER_CM3 * np.transpose([
-            stress((math.sin(b), 0.0, -math.cos(b)), (math.cos(g), 0.0, -math.sin(g)), up, rough)
-            for b, g in zip(beta, gamma, strict=True)
-        ])  # fmt: skip
-        return {"alpha_x": -x, "alpha_z": z}
-    x, z = alpha(beta, gamma, StressMap(**setup["fourier"]))
-    return {"alpha_x": x, "alpha_z": z}
 
 
 def growth(setup: Values, inputs: Values, scene: Scene, fine: bool) -> dict[str, Any]:
@@ -154,7 +122,7 @@ def growth(setup: Values, inputs: Values, scene: Scene, fine: bool) -> dict[str,
 
 def extraction(setup: Values, inputs: Values, scene: Scene, fine: bool) -> dict[str, Any]:
     """Resistance of a level plate that is pulled up, over that of one that is pushed down."""
-    push, pull = plate({"beta": [0.0], "gamma": [90.0, -90.0]}, inputs, scene, fine)["alpha_z"]
+    push, pull = plate({"pairs": [(0.0, 90.0), (0.0, -90.0)]}, inputs, scene, fine)["alpha_z"]
     return {"pull over push": abs(pull) / push}
 
 
@@ -190,10 +158,16 @@ def rod(setup: Values, inputs: Values, scene: Scene, fine: bool) -> dict[str, Ar
     return {"power of the drag": np.array([np.log2(drag_of(name) / once) for name in setup["doubled"]])}
 
 
+@cache
+def flat_walk(scene: Scene, accuracy: str) -> Walk:
+    """A walk with flat soles, which several inputs share."""
+    return simulate(Foot.flat(), scene, accuracy)
+
+
 def walker(setup: Values, inputs: Values, scene: Scene, fine: bool) -> dict[str, Any]:
     """A person's weight on flat soles: forces on the ground, work on the sand, speed against firm ground."""
     accuracy = "fine" if fine else "standard"
-    walk, firm = (simulate(Foot.flat(), s, accuracy) for s in (scene, replace(scene, sand=Sand(zeta=FIRM))))
+    walk, firm = (flat_walk(s, accuracy) for s in (scene, replace(scene, sand=Sand(zeta=FIRM))))
     force = walk.force[walk.t >= scene.gait.heel_strike, :, 1] / scene.walker.weight
     found = walk.objectives
     per_metre = found["work"] / (scene.walker.mass * found["distance"])
