@@ -83,9 +83,6 @@ class Page:
         actions = self._pointer(selector, start).click_and_hold()
         self._to(actions, selector, end).release().perform()
 
-    def click(self, selector, place):
-        self._pointer(selector, place).click().perform()
-
     def _pointer(self, selector, place):
         from selenium.webdriver.common.action_chains import ActionChains
 
@@ -100,10 +97,14 @@ class Page:
         )
         return actions.move_to_element_with_offset(element, x, y)
 
-    def emulate(self, **features):
-        """Media features of the browser, such as prefers_color_scheme="dark"."""
-        pairs = [{"name": name.replace("_", "-"), "value": value} for name, value in features.items()]
-        self.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": pairs})
+    def settled(self):
+        """Wait until all of the page shows what is drawn."""
+        for _ in range(100):
+            if self.text("#walk-title") == "The walk: drawn here" and self.js("walked.has(DRAWN)"):
+                time.sleep(0.2)
+                return
+            time.sleep(0.05)
+        raise AssertionError("the walk does not follow")
 
     def judged(self):
         """What axe-core finds, with everything open."""

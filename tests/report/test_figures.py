@@ -8,7 +8,6 @@ import pytest
 
 import footopt as fo
 from footopt.report import figures
-from footopt.report.figures import tables
 from footopt.report.numbers import percent
 from footopt.report.summary import Run, fronts
 from footopt.walk.objectives import FIVE
@@ -164,11 +163,6 @@ def test_convergence_plots_best_and_median_against_evaluations():
         assert not axes.lines
 
 
-def test_convergence_of_j_w_is_a_multiple_of_the_flat_foots():
-    axes = figures.convergence(HISTORY, "efficiency $J_W$", -2.0).axes[0]
-    np.testing.assert_array_equal(axes.get_lines()[0].get_ydata(), [np.nan, 1.0, 1.25, 2.0])
-
-
 # --- walks ----------------------------------------------------------------------------------------
 
 TRACES = {
@@ -224,26 +218,7 @@ def test_a_scatter_matrix_shows_each_pair_once_and_what_stands_out(table):
     assert not any(grid[row, column].axison for row in range(4) for column in range(row + 1, 4))
 
 
-def test_odd_tables_are_drawn(table):
-    table = table[:, :2]
-    nothing, same = np.full((3, 2), np.nan), np.ones((4, 2))
-    for values, row in ((nothing, 1), (same, 0), (table[:1], 0), (table, 4)):
-        figure = figures.scatter_matrix({"front": values}, FIVE[:2], {"chosen": values[row]})
-        assert ("chosen" in texts(figure)) is bool(np.isfinite(values[row]).all())
-        figure.draw_without_rendering()
-
-
 # --- studies --------------------------------------------------------------------------------------
-
-
-def test_claims_say_where_they_hold():
-    entry = {"says": "it holds", "margin": 0.1, "changed": {"foot.width=0.05": -0.2, "foot.apex=toe": None}}
-    (axes,) = tables.claims([entry, {**entry, "says": "never", "margin": -1.0}]).axes
-    assert {"it holds", "never", "the settings", "foot.apex=toe"} <= set(texts(axes.figure))
-    holds, not_, undecided = axes.images[0].get_array()[0]
-    assert np.allclose(axes.images[0].get_array()[1, 0], not_)
-    assert not np.allclose(holds, not_)
-    assert np.allclose(undecided, 1.0)
 
 
 def test_fronts_of_seeds_share_a_colour_and_say_their_hypervolume(tmp_path):

@@ -2,7 +2,6 @@
 
 import base64
 import io
-import subprocess
 import sys
 from dataclasses import replace
 from functools import cache
@@ -17,7 +16,7 @@ from matplotlib.image import imread
 from scipy.io import netcdf_file
 
 import footopt as fo
-from footopt.errors import FootoptError, MissingError, SettingError
+from footopt.errors import FootoptError, MissingError
 from footopt.files import io as files
 from footopt.report import plot, stage
 
@@ -52,7 +51,6 @@ def things(walked, many, searches):
         "sand": fo.Sand.named("soft"),
         "gait": fo.Gait.human(),
         "foot": walked.foot,
-        "ellipse": fo.Foot.shape("ellipse", closed=True),
         "every effect": fo.Scene(
             effects=(fo.Slope(-8), fo.Layers((0.02, 0.1), (0.3, 4)), fo.Patches(), fo.LeadingEdge())
         ),
@@ -64,7 +62,7 @@ def things(walked, many, searches):
     }
 
 
-NAMES = ["sand", "gait", "foot", "ellipse", "every effect", "walk", "sunk", "void", "table", "one", "several"]
+NAMES = ["sand", "gait", "foot", "every effect", "walk", "sunk", "void", "table", "one", "several"]
 
 
 class Parsed(HTMLParser):
@@ -120,11 +118,6 @@ def test_every_drawing_is_on_the_axes_that_it_was_given(things, name):
     assert plt.get_fignums() == []  # pyplot has seen nothing of it
 
 
-def test_a_drawing_that_there_is_not_names_those_that_there_are(walked):
-    with pytest.raises(SettingError, match="one of walk, com, velocity, force, power, work for a Walk"):
-        fo.plot(walked, "energy")
-
-
 def test_an_object_is_a_line_without_arrays_which_its_card_has(card_of, things, walked, many, searches):
     assert all("array" not in repr(thing) and len(repr(thing)) < 900 for thing in things.values())
     assert f"distance {walked.objectives['distance']:.4g} m; " in repr(walked)
@@ -139,17 +132,6 @@ def test_names_are_escaped(walked, monkeypatch):
         text = plot.card(shown)
         assert "<script" not in text
         assert "alert(" in Parsed(text).text
-
-
-@pytest.mark.slow
-def test_a_notebook_shows_cards_by_itself():
-    script = (
-        "from IPython.core.interactiveshell import InteractiveShell; shell = InteractiveShell.instance(); "
-        "import footopt as fo; shell.run_line_magic('load_ext', 'footopt'); "  # which does no harm
-        "print(shell.display_formatter.format(fo.Foot.flat())[0]['text/html'])"
-    )
-    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
-    assert Parsed(run.stdout).tags.count("img") == 1
 
 
 # --- what is drawn --------------------------------------------------------------------------------
