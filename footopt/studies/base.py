@@ -6,7 +6,7 @@ import dataclasses
 import os
 import shlex
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from functools import cached_property
 from pathlib import Path
@@ -26,7 +26,7 @@ from footopt.files import identity
 from footopt.files import io as files
 from footopt.files.identity import finished, result_of
 from footopt.foot import Foot, Waypoints
-from footopt.report import figures, page, terminal
+from footopt.report import terminal
 from footopt.report.numbers import percent
 from footopt.report.progress import Step, progress
 from footopt.studies.build import make_accuracy, make_foot, make_scene, make_space
@@ -34,22 +34,12 @@ from footopt.studies.settings import REPORTS, Config
 from footopt.walk import MEASURES, Accuracy, Scene
 from footopt.walk.accuracy import AnyAccuracy, resolve
 from footopt.walk.ladder import ladder, numerics
-from footopt.walk.validity import Diagnostic
 
 
 class Study:
     """One run of a study: a module of this package asks the question, this class does the rest.
 
-    Parameters
-    ----------
-    config : Config
-        The settings.
-    folder : Path
-        Where the run leaves what it finds.
-    settings : dict
-        The same settings as plain data: what the run is.
-    overrides : sequence of str
-        What was given on the command line.
+    Its parameters are those of `footopt.studies.runs.run_study`.
     """
 
     def __init__(
@@ -62,11 +52,9 @@ class Study:
         self._began = time.perf_counter()
         self._captions: dict[str, str] = {}
 
-    # --- what the settings say --------------------------------------------------------------------
-
     @property
     def options(self) -> Any:
-        """The study's own settings: the a class of `footopt.studies`."""
+        """The study's own settings: a class of `footopt.studies`."""
         return self.config.study
 
     @property
@@ -133,8 +121,6 @@ class Study:
             )
         return store
 
-    # --- what the terminal shows ------------------------------------------------------------------
-
     @property
     def origin(self) -> dict[str, str]:
         """The run for the page's commands: its folder, as seen from here, and its overrides."""
@@ -161,8 +147,6 @@ class Study:
             self.console, f"Compiling {what}; this is done once and kept on disk ..."
         )
 
-    # --- what the folder holds --------------------------------------------------------------------
-
     def write_csv(self, name: str, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
         """Write a table of numbers; a NaN becomes an empty cell."""
         import pandas
@@ -173,15 +157,12 @@ class Study:
         """Save a figure as PNG if wanted, and as PDF to print; with a caption as SVG for `conclude`."""
         if not self.wants_figures:
             return
+        from footopt.report import figures
+
         formats = ["png"] + ["pdf"] * (self.config.report == "print") + ["svg"] * bool(caption)
         figures.save(figure, self.folder / "figures", name, formats)
         if caption:
             self._captions[name] = caption
-
-    def draw(self, drawings: Mapping[str, Callable[[], Any]]) -> None:
-        """Draw and `save` figures without captions, if wanted."""
-        for name, figure in drawings.items() if self.wants_figures else ():
-            self.save(name, figure())
 
     def write_result(self, content: Mapping[str, Any]) -> dict[str, Any]:
         """Write result.json: the content between the study's name and how it was made.
@@ -243,6 +224,8 @@ class Study:
         record = self.write_result(content) | dict(footer or {})
         headline = [*about, *map(str, summary)]
         if self.wants_report:
+            from footopt.report import page
+
             page.write_study(self.folder, title, headline, self._captions, tables, record, warnings)
         self.say(*tables, *summary)
         self.close()
@@ -263,15 +246,6 @@ def foot_entry(foot: Foot) -> dict[str, Any]:
         "box_violation_mm": None if foot.box_violation is None else 1e3 * foot.box_violation,
         "width_m": foot.width,
         "ankle_m": foot.ankle,
-    }
-
-
-def validity_entry(diagnostics: Sequence[Diagnostic]) -> dict[str, Any]:
-    """The validity of a walk in result.json."""
-    return {
-        "validity": {d.name: d.value for d in diagnostics},
-        "validity_units": {d.name: d.unit for d in diagnostics},
-        "warnings": [terminal.describe_outside(d) for d in diagnostics if d.outside],
     }
 
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -28,31 +26,20 @@ from footopt.design.result import check_finalists
 from footopt.errors import SettingError
 from footopt.files import io as files
 from footopt.foot import Foot, Waypoints
-from footopt.report import figures, page, terminal
-from footopt.report.figures.search import FRONT, history_label
+from footopt.report import terminal
 from footopt.report.numbers import number, quantity, title
 from footopt.report.progress import report_generations
 from footopt.studies import ranks
 from footopt.studies.audit import choose_effects
-from footopt.studies.base import (
-    Study,
-    accuracy_entry,
-    describe_ladder,
-    foot_entry,
-    scene_entry,
-    validity_entry,
-)
+from footopt.studies.base import Study, accuracy_entry, describe_ladder, foot_entry
 from footopt.studies.build import check_searchable, make_problem
-from footopt.studies.simulate import check_film, write_film, write_walk
-from footopt.studies.validation.model import model_error
+from footopt.studies.simulate import check_film, judged, write_film, write_walk
 from footopt.walk import MEASURES, gain_shares, simulate
-from footopt.walk.resolution import error_of, resolution
-from footopt.walk.validity import diagnose
 
 LEADERS = 4  # best soles of an enumerated space that are drawn in one frame
 
 
-def run(study: Study) -> dict[str, float]:
+def run(study: Study) -> Any:
     """Search, then walk with the best foot and leave everything about it; returns its values."""
     config, options = study.config, study.options
     check_searchable(config.foot)
@@ -72,9 +59,8 @@ def run(study: Study) -> dict[str, float]:
     k = result.k[confirmed.designs[0]]
     best = dataclasses.replace(Foot.from_waypoints(k, problem.space), name=f"best of {solver.name}")
     walk = simulate(best, scene, finer)
-    errors = error_of(walk, problem.record)
-    values, base = walk.measures(problem.record), flat.measures(problem.record)
-    diagnostics = [*diagnose(walk), *resolution(walk, errors)]
+    entry, diagnostics = judged(study, walk, flat, problem.record, chosen)
+    values, base, errors = (entry[name] for name in ("objectives", "flat", "error_estimate"))
     finalists, changes = result.k[confirmed.designs[: options.finalists]], []
     if study.wants_report and options.confirm:
         with study.compiling("a walk for each law"):
@@ -83,26 +69,23 @@ def run(study: Study) -> dict[str, float]:
 
     if study.wants_report:
         files.write_csv(study.folder / "designs.csv", result.columns)
-    drawings = _drawings(result, confirmed.designs[:LEADERS], base)
-    notes = write_walk(study, walk, {"best": walk, "flat": flat}, drawings)
+    if study.wants_figures:
+        _draw(study, result, confirmed.designs[:LEADERS], base)
+    notes = write_walk(study, walk, {"best": walk, "flat": flat})
     record = study.write_result(
         {
             "design": foot_entry(best),
-            "objectives": values,
-            "error_estimate": errors,
-            "model_error": (model := model_error(walk, chosen["left_out"], config.sand.spread)),
+            **entry,
             "ranks": ranks.entry(changes),
-            "flat": base,
             "gain_shares": gain_shares(values, base),
-            **scene_entry(scene, walk.accuracy, problem.record),
             **_search_entry(result, confirmed, options.finalists),
-            "certificate": None if certificate is None else _certificate_entry(certificate),
-            **validity_entry(diagnostics),
-            **chosen,
+            "certificate": certificate and {"says": str(certificate), **dataclasses.asdict(certificate)},
             "notes": notes,
         }
     )
     if study.wants_report:
+        from footopt.report import page
+
         shown = page.search_content(result, confirmed, walk, flat, record)
         page.write(study.folder / "report.html", shown | study.origin)
     write_film(study, walk)
@@ -117,7 +100,7 @@ def run(study: Study) -> dict[str, float]:
         f"{which}: {terminal.describe_foot(best)}",
         terminal.objective_table("best", values, errors, base, by_j, ranks.turned_by(changes)),
         *ranks.describe(changes, len(finalists)),
-        *terminal.describe_model([model]),
+        *terminal.describe_model([entry["model_error"]]),
     )
     for words in _warnings(problem, values, base, by_j):
         terminal.warn(study.console, words)
@@ -196,11 +179,6 @@ def _start(heights: list[int] | None, space: Waypoints) -> list[list[int]] | Non
         raise SettingError("study.start", heights, error.allowed, error.hint) from None
 
 
-def _certificate_entry(certificate: Certificate) -> dict[str, Any]:
-    """A certificate in result.json, with the sentence that the terminal and the page have."""
-    return {"says": str(certificate), **dataclasses.asdict(certificate)}
-
-
 def _search_entry(result: SearchResult, confirmed: Confirmation, finalists: int) -> dict[str, Any]:
     """A search in result.json; a front as it is when it is walked finely, the chosen design first."""
     problem, several = result.problem, result.problem.n_obj > 1
@@ -237,25 +215,23 @@ def _search_entry(result: SearchResult, confirmed: Confirmation, finalists: int)
     }
 
 
-def _drawings(result: SearchResult, leaders: Any, flat: dict[str, float]) -> dict[str, Callable[[], Any]]:
-    """Functions that draw the figures of a search, by name."""
-    problem, drawn = result.problem, dict[str, Callable[[], Any]]()
+def _draw(study: Study, result: SearchResult, leaders: Any, flat: dict[str, float]) -> None:
+    """Draw how a search went, and the front, or the best soles, that it found."""
+    from footopt.report import figures  # matplotlib takes a second
+    from footopt.report.figures.search import FRONT, history_label
+
+    problem, several = result.problem, result.problem.n_obj > 1
     if result.solver.name != EXHAUSTIVE:
-        relative = (
-            problem.n_obj == 1 and problem.ranking_objective == "efficiency" and flat["efficiency"] < 0.0
-        )
+        relative = not several and problem.ranking_objective == "efficiency" and flat["efficiency"] < 0.0
         base = flat["efficiency"] if relative else None
-        label = history_label(problem.names)
-        drawn["convergence"] = partial(figures.convergence, result.history, label, base)
-    elif problem.n_obj == 1:
-        leaders = enumerate(result.k[leaders], start=1)
-        soles = {f"no. {i}": Foot.from_waypoints(k, problem.space) for i, k in leaders}
-        drawn["contours"] = partial(figures.contours, soles)
-    if problem.n_obj > 1:
-        columns = [problem.record.index(name) for name in problem.names]
-        values = result.values[:, columns]
+        study.save("convergence", figures.convergence(result.history, history_label(problem.names), base))
+    elif not several:
+        best = enumerate(result.k[leaders], start=1)
+        soles = {f"no. {i}": Foot.from_waypoints(k, problem.space) for i, k in best}
+        study.save("contours", figures.contours(soles))
+    if several:
+        values = result.values[:, [problem.record.index(name) for name in problem.names]]
         front = values[result.shown]
         marks = {"chosen": values[leaders[0]], "flat sole": [flat[name] for name in problem.names]}
-        groups = {f"{len(front)} {FRONT}": front}
-        drawn["scatter_matrix"] = partial(figures.scatter_matrix, groups, problem.names, marks)
-    return drawn
+        drawn = figures.scatter_matrix({f"{len(front)} {FRONT}": front}, problem.names, marks)
+        study.save("scatter_matrix", drawn)

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from functools import partial
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,26 +12,20 @@ from rich.text import Text
 from footopt.files import io as files
 from footopt.files.feet import write_all, write_foot
 from footopt.foot import Foot
-from footopt.report import figures, film, page, terminal
-from footopt.report.figures.gait import gait_fit
+from footopt.report import terminal
 from footopt.report.numbers import title
 from footopt.studies.audit import choose_effects
-from footopt.studies.base import (
-    Study,
-    foot_entry,
-    scene_entry,
-    validity_entry,
-)
+from footopt.studies.base import Study, foot_entry, scene_entry
 from footopt.studies.build import make_space, make_strides
 from footopt.studies.runs import foot_of
 from footopt.studies.validation.model import model_error
 from footopt.walk import OBJECTIVES, Walk, simulate
 from footopt.walk.phases import stance
 from footopt.walk.resolution import error_of, resolution
-from footopt.walk.validity import diagnose
+from footopt.walk.validity import Diagnostic, diagnose
 
 
-def run(study: Study) -> dict[str, float]:
+def run(study: Study) -> Any:
     """Walk with one foot and leave everything about the walk; returns its values."""
     check_film(study)
     folder, k, accuracy = study.options.run, study.config.foot.k, study.accuracy
@@ -44,30 +37,28 @@ def run(study: Study) -> dict[str, float]:
         level = Foot.flat(foot.space or make_space(study.config.foot))
         flat = walk if level == foot else simulate(level, scene, accuracy)
     names = tuple(dict.fromkeys((*OBJECTIVES, *study.config.objective.names)))
-    values, base, errors = walk.measures(names), flat.measures(names), error_of(walk, names)
-    diagnostics = [*diagnose(walk), *resolution(walk, errors)]
+    entry, diagnostics = judged(study, walk, flat, names, chosen)
+    values, base = entry["objectives"], entry["flat"]
     strides = make_strides(study.config.gait)
     read = [] if strides is None else [*strides.notes]
-    others = {} if strides is None else {"gait": partial(gait_fit, strides, scene.gait)}
-    said = write_walk(study, walk, {title(foot.name): walk}, others)
-    notes = [*foot.notes, *said, *_undefined(walk, values)]
+    if strides is not None and study.wants_figures:
+        from footopt.report.figures.gait import gait_fit
+
+        study.save("gait", gait_fit(strides, scene.gait))
+    notes = [*foot.notes, *write_walk(study, walk, {title(foot.name): walk}), *_undefined(walk, values)]
     record = study.write_result(
         {
             "design": foot_entry(foot),
             "feasible": walk.feasible,
             "reason": walk.reason,
-            "objectives": values,
-            "flat": base,
-            "error_estimate": errors,
-            "model_error": (model := model_error(walk, chosen["left_out"], study.config.sand.spread)),
-            **scene_entry(scene, walk.accuracy, names),
-            **validity_entry(diagnostics),
+            **entry,
             "notes": notes,
             "gait_file": read,
-            **chosen,
         }
     )
     if study.wants_report:
+        from footopt.report import page
+
         page.write(study.folder / "report.html", page.walk_content(walk, record, flat) | study.origin)
     write_film(study, walk)
 
@@ -77,8 +68,9 @@ def run(study: Study) -> dict[str, float]:
         study.say(f"Gait from {study.config.gait.path}: {'; '.join(read)}. Misfit (rms, deg): {misfit}")
     if not walk.feasible:
         study.say(Text(f"The walk failed: {walk.reason} after {len(walk.t)} steps of time.", style="yellow"))
-    study.say(terminal.objective_table("this sole", values, errors, None if flat is walk else base))
-    study.say(*terminal.describe_model([model]))
+    others = None if flat is walk else base
+    study.say(terminal.objective_table("this sole", values, entry["error_estimate"], others))
+    study.say(*terminal.describe_model([entry["model_error"]]))
     terminal.print_validity(study.console, diagnostics)
     study.say(*notes)
     study.close()
@@ -95,51 +87,62 @@ def _undefined(walk: Walk, values: Mapping[str, float]) -> list[str]:
     return [f"There is no value of {', '.join(names)}: {why}."]
 
 
-def write_walk(
-    study: Study, walk: Walk, walks: Mapping[str, Walk], others: Mapping[str, Callable[[], Any]]
-) -> list[str]:
-    """Leave a walk's traces, its foot for the workshop, and its figures, as far as `report` wants them.
+def judged(
+    study: Study, walk: Walk, flat: Walk, names: Sequence[str], chosen: Mapping[str, Any]
+) -> tuple[dict[str, Any], list[Diagnostic]]:
+    """A walk in result.json: its numbers, those of the flat sole, their errors and validity; and the latter.
 
-    Parameters
-    ----------
-    study : Study
-        Whose folder it is.
-    walk : Walk
-        What the run is about.
-    walks : mapping of str to Walk
-        What the figures show side by side, by name.
-    others : mapping of str to function
-        What draws further figures of the study, by name.
+    `chosen` are the effects that an audit chose.
+    """
+    errors = error_of(walk, names)
+    diagnostics = [*diagnose(walk), *resolution(walk, errors)]
+    entry = {
+        "objectives": walk.measures(names),
+        "flat": flat.measures(names),
+        "error_estimate": errors,
+        "model_error": model_error(walk, chosen["left_out"], study.config.sand.spread),
+        **scene_entry(walk.scene, walk.accuracy, names),
+        "validity": {d.name: d.value for d in diagnostics},
+        "validity_units": {d.name: d.unit for d in diagnostics},
+        "warnings": [terminal.describe_outside(d) for d in diagnostics if d.outside],
+        **chosen,
+    }
+    return entry, diagnostics
 
-    Returns
-    -------
-    notes : list of str
-        What is to be said of the files for the workshop.
+
+def write_walk(study: Study, walk: Walk, walks: Mapping[str, Walk]) -> list[str]:
+    """Leave a walk's traces, its foot for the workshop, and figures of `walks` by name, if wanted.
+
+    Returns what is to be said of the files for the workshop.
     """
     if not study.wants_report:
         write_foot(walk.foot, study.folder / "contour.csv")
         return []
-    drawings = {
-        "com": partial(figures.com, walks),
-        "forces": partial(figures.forces, walks),
-        "power_work": partial(figures.power_work, walks),
-        "contour": partial(figures.contour, walk.foot),
-    }
-    if stance(walk) is not None:  # a walker that stands takes no step
-        drawings["step"] = partial(figures.step, walk)
     files.write_walk(study.folder / "walk.nc", walk.variables, {"reason": walk.reason})
     _, notes = write_all(walk.foot, study.folder, study.config.foot.block)
-    study.draw({**drawings, **others})
+    if study.wants_figures:
+        from footopt.report import figures  # matplotlib takes a second
+
+        study.save("com", figures.com(walks))
+        study.save("forces", figures.forces(walks))
+        study.save("power_work", figures.power_work(walks))
+        study.save("contour", figures.contour(walk.foot))
+        if stance(walk) is not None:  # a walker that stands takes no step
+            study.save("step", figures.step(walk))
     return notes
 
 
 def check_film(study: Study) -> None:
     """Raise a `SettingError` before anything is walked if `study.video` cannot be written."""
     if study.options.video is not None:
+        from footopt.report import film
+
         film.check_film(study.folder / study.options.video, setting="study.video")
 
 
 def write_film(study: Study, walk: Walk) -> None:
     """Write the film that `study.video` asks for, unless the walk failed at once."""
     if study.options.video is not None and len(walk.t):
+        from footopt.report import film
+
         film.animate(walk, study.folder / study.options.video)

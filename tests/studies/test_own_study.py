@@ -59,5 +59,5 @@ def test_a_run_leaves_its_figures_in_the_formats_that_its_report_wants(tmp_path,
     unrender(monkeypatch)
     for report, endings in (("light", []), ("full", [".png"]), ("print", [".pdf", ".png"])):
         study = Study(composed(f"report={report}"), tmp_path / report, {})
-        study.draw({"contour": lambda study=study: figures.contour(study.foot)})
+        study.save("contour", figures.contour(study.foot))
         assert sorted(path.suffix for path in study.folder.glob("figures/contour.*")) == endings
