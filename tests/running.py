@@ -11,7 +11,6 @@ import signal
 import sqlite3
 import subprocess
 import sys
-import threading
 import time
 from contextlib import closing, redirect_stderr, redirect_stdout, suppress
 from pathlib import Path
@@ -122,21 +121,6 @@ def only_folder(root):
     """The folder of the one run below a folder."""
     (result,) = root.rglob("result.json")
     return result.parent
-
-
-def wait_for(run, words, limit=300):
-    """Read the run's output up to a line with these words."""
-    alarm = threading.Timer(
-        limit, run.send_signal, [signal.SIGABRT]
-    )  # Python's faulthandler writes the stack
-    alarm.start()
-    try:
-        for line in run.stdout:
-            if words in line:
-                return
-    finally:
-        alarm.cancel()
-    raise AssertionError(f"no {words!r}: {ended(run)[1]}")
 
 
 def children(pid):

@@ -19,6 +19,9 @@ def cells(notebook, kind):
 def test_it_runs_from_top_to_bottom(tmp_path):
     notebook = nbformat.read(TUTORIAL, as_version=4)
     assert all(cell.outputs == [] for cell in cells(notebook, "code"))
+    for cell in cells(notebook, "code"):  # its searches and its film, smaller
+        for large, less in (("n_gen=20", "n_gen=3"), ("n_gen=15", "n_gen=4"), ("fps=10", "fps=2")):
+            cell.source = cell.source.replace(large, less)
     NotebookClient(
         notebook, timeout=LIMIT, kernel_name="python3", resources={"metadata": {"path": str(tmp_path)}}
     ).execute()
@@ -36,4 +39,4 @@ def test_it_runs_from_top_to_bottom(tmp_path):
     assert found < random  # as the text says
     assert (tmp_path / "sole.dxf").stat().st_size > 0
     with Image.open(tmp_path / "walk.gif") as film:
-        assert film.n_frames > 30
+        assert film.n_frames > 5

@@ -1,16 +1,12 @@
 """A file that is not what its reader wants is refused by its name; what editors change is read alike."""
 
-import json
-
 import numpy as np
 import pytest
 from motion_files import HUMAN, write_mot, write_table
-from running import footopt
 
 import footopt as fo
 from footopt.cli.run import resume
-from footopt.design import FootProblem, Store
-from footopt.errors import FileError, SettingError
+from footopt.errors import FileError
 from footopt.files import identity
 from footopt.studies.runs import foot_of
 
@@ -75,30 +71,6 @@ def test_what_cannot_be_opened_is_named(kind, tmp_path):
         assert isinstance(caught.value, OSError)
 
 
-def test_what_cannot_be_a_store_is_named(tmp_path):
-    with pytest.raises(FileError, match=r"study\.store = "):
-        Store(tmp_path, FootProblem())
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"design": None}, "run = "),
-        ({"settings": {"foot": {"shape": "waypoints", "n": "x"}}}, r"n = 'x'|run = "),
-        ({"settings": []}, "run = "),
-    ],
-)
-def test_a_result_that_was_changed_is_refused(change, message, tmp_path):
-    foot = {"shape": "waypoints", "width": 0.1, "ankle": [0.0, 0.0], "n": 11, "K": 10, "L": 0.13, "H": 0.03}
-    design = {"name": "one", "k": list(FOOT.k), "width_m": 0.1, "ankle_m": [0.0, 0.0]}
-    result = {"design": design, "settings": {"foot": foot}}
-    (tmp_path / "result.json").write_text(json.dumps(result))
-    np.testing.assert_array_equal(foot_of(tmp_path).contour, FOOT.contour)
-    (tmp_path / "result.json").write_text(json.dumps(result | change))
-    with pytest.raises((FileError, SettingError), match=message):
-        foot_of(tmp_path)
-
-
 def test_a_folder_without_a_result_is_no_run(tmp_path):
     with pytest.raises(FileError, match=r"^run = .*not the folder of a run"):
         foot_of(tmp_path)
@@ -113,11 +85,3 @@ def test_bad_yaml_of_a_run_to_resume_is_refused(text, tmp_path, monkeypatch):
     with pytest.raises(FileError, match="resume = "):
         resume([f"resume={tmp_path}"])
     assert not (tmp_path / "made").exists()
-
-
-def test_a_yaml_file_of_ones_own_is_named(tmp_path):
-    (tmp_path / "sand").mkdir()
-    (tmp_path / "sand" / "dune.yaml").write_text("study:\n\tname: optimize\n")
-    done = footopt("--config-dir", str(tmp_path), "sand=dune", cwd=tmp_path)
-    assert done.returncode == 1
-    assert "dune.yaml" in done.stderr

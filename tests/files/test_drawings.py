@@ -52,12 +52,6 @@ SVG = {
         f'<path style="fill:none;stroke:#000000" transform="matrix(1,0,0,-1,0,99)" d="{PATH}" '
         'sodipodi:nodetypes="cccccc" id="path9"/></g>',
     ),
-    "Inkscape, drawn and hidden by itself": svg(
-        'width="210mm" height="297mm" viewBox="0 0 210 297"',
-        scaled(1)
-        + '<path d="M0 0h30v20z" style="stroke:red; display: none"/><path d="M0 0h30v9" display="none"/>'
-        + '<path d="M-300-300H300V300H-300Z" fill="none"/>',
-    ),
     "Illustrator": svg(
         'version="1.1" id="Ebene_1" x="0px" y="0px" width="841.89pt" height="595.28pt" '
         'viewBox="0 0 841.89 595.28" style="enable-background:new 0 0 841.89 595.28;" xml:space="preserve"',
@@ -65,10 +59,6 @@ SVG = {
         f'<g id="Ebene_2">{scaled(72 / 25.4, "translate(400 300)")}<circle cx="400" cy="310" r="9"/></g>',
         '<?xml version="1.0" encoding="utf-8"?><!-- Generator: Adobe Illustrator 24.0 -->'
         '<!DOCTYPE svg PUBLIC "-//W3C//DTD SVG 1.1//EN" "http://www.w3.org/Graphics/SVG/1.1/DTD/svg11.dtd">',
-    ),
-    "CorelDRAW": svg(
-        'xml:space="preserve" width="297mm" height="210mm" viewBox="0 0 29700 21000"',
-        f'<g id="Layer_x0020_1"><metadata id="Corel-Layer"/>{scaled(100, "translate(14000 9000)")}</g>',
     ),
     "FreeCAD": svg(
         'width="216.6mm" height="80mm" viewBox="-120 -10 216.6 80" freecad:version="1.1" '
@@ -79,10 +69,6 @@ SVG = {
     "Rhino": svg(
         'width="11in" height="8.5in" viewBox="0 0 792 612"',
         f'<g transform="rotate(180 396 306)">{scaled(72 / 25.4, "translate(396 306) rotate(180)")}</g>',
-    ),
-    "OpenSCAD": svg(
-        'width="216mm" height="60mm" viewBox="-120 -20 216 60" version="1.1"',
-        f'<title>OpenSCAD Model</title>{scaled(1)}',
     ),
     "used twice, of which one is a definition": svg(
         'xmlns:xlink="http://www.w3.org/1999/xlink" width="400mm" viewBox="0 0 400 200"',

@@ -16,14 +16,13 @@ from shapely import Polygon
 from study_pages import check_page, data_of
 
 import footopt as fo
-from footopt.errors import FileError, SettingError
+from footopt.errors import SettingError
 from footopt.files.feet import FORMATS
 from footopt.files.outline import MIN_WALL, body_outline, closed_contour
 from footopt.files.soles import lines_of
 from footopt.foot import SHAPES
-from footopt.report import figures
 from footopt.studies import Export
-from footopt.studies.runs import foot_of, run_study
+from footopt.studies.runs import run_study
 from footopt.studies.settings import Config, FootConfig
 
 heights = st.lists(st.integers(1, 10), min_size=4, max_size=15)
@@ -89,11 +88,6 @@ class TestOutline:
         top = body[body[:, 1] == body[:, 1].max()]
         np.testing.assert_allclose(sorted(top[:, 0]), [-0.01, 0.05])
 
-    def test_with_a_block_as_long_as_the_foot_has_no_twin_corners(self, flat_foot):
-        body = body_outline(flat_foot, (0.26, 0.01))
-        assert area(body) == pytest.approx(0.26 * 0.04)
-        assert sides(body).min() > 1e-6
-
     def test_that_crosses_itself_is_refused_with_the_place(self):
         curl = np.array([[-0.1, -0.02], [0.1, -0.02], [0.1, 0.02], [0.05, 0.02], [0.05, -0.01]])
         with pytest.raises(SettingError, match=r"foot\.top = .*Self-intersection\[0\.05 0\.02\]"):
@@ -135,21 +129,6 @@ class TestFiles:
         assert rows[-1] == ["130.0", "-12.0"]
         np.testing.assert_allclose(np.array(rows[1:], float), 1e3 * foot.contour, rtol=0, atol=5.1e-7)
 
-    def test_write_no_sign_before_a_zero(self, tmp_path):
-        foot = fo.Foot(np.array([[-0.1, -0.0], [0.0, -0.02], [0.1, -1e-14]]))
-        assert "-0.0," not in fo.write_foot(foot, tmp_path / "sole.csv").read_text()
-
-    @pytest.mark.parametrize("ending", WRITTEN)
-    def test_that_cannot_be_written_are_named(self, ending, tmp_path, flat_foot):
-        (tmp_path / "file").write_text("")
-        (tmp_path / f"folder.{ending}").mkdir()
-        for place in ("nowhere/sole", "file/sole", "folder"):
-            path = tmp_path / f"{place}.{ending}"
-            with pytest.raises(FileError, match=r"cannot write .* Choose a folder that exists") as caught:
-                fo.write_foot(flat_foot, path)
-            assert str(path) in str(caught.value)
-        assert {path.name for path in tmp_path.iterdir()} == {"file", f"folder.{ending}"}
-
 
 class TestStudy:
     def test_leaves_a_page_that_links_every_file_and_says_what_it_holds(self, tmp_path, capsys, monkeypatch):
@@ -178,19 +157,3 @@ class TestStudy:
         assert "4320 mm^2" in out
         assert "432000 mm^3" in out
         assert ('pip install "footopt[cad]"' in out) == ("step" not in WRITTEN)
-
-    def test_asks_for_one_job_of_a_multirun(self, tmp_path):
-        (tmp_path / "multirun.yaml").touch()
-        with pytest.raises(SettingError, match=r"one job of this multirun\. Such as run=.*/0$"):
-            foot_of(tmp_path)
-        with pytest.raises(FileError, match=r"with one foot \(there is no such"):
-            foot_of(tmp_path / "nowhere")
-
-    def test_draws_the_body_with_its_dimensions_in_mm(self):
-        foot = fo.Foot.from_waypoints([4] * 11, width=0.08)
-        (axes,) = figures.drawing(foot).axes
-        assert axes.get_title(loc="left") == "260 x 12 x 80 mm (length, height, width)"
-        (outline,) = axes.patches
-        np.testing.assert_allclose(outline.get_xy()[:-1], 1e3 * body_outline(foot))
-        (axes,) = figures.drawing(foot, (0.06, 0.02)).axes
-        assert axes.get_title(loc="left") == "260 x 32 x 80 mm (length, height, width); block 60 x 20 mm"

@@ -1,6 +1,5 @@
 """Files that a run leaves are there as a whole, or as they were."""
 
-import numpy as np
 import pytest
 
 from footopt.errors import FileError
@@ -29,13 +28,3 @@ def test_a_file_that_breaks_off_leaves_the_old_one(path, error, seen):
     assert seen is KeyboardInterrupt or "designs.csv (No space left)" in str(caught.value)
     assert path.read_text() == "as it was"
     assert [p.name for p in path.parent.iterdir()] == ["designs.csv"]
-
-
-WALK = {"t": (("time",), "s", np.arange(400.0)), "x": (("time",), "m", np.arange(400.0) ** 2)}
-
-
-def test_a_walk_that_cannot_be_written_is_named_and_leaves_nothing(tmp_path):
-    with pytest.raises(FileError, match="nowhere"):
-        files.write_walk(tmp_path / "nowhere" / "walk.nc", WALK, {})
-    files.write_walk(tmp_path / "walk.nc", WALK, {})
-    assert [p.name for p in tmp_path.iterdir()] == ["walk.nc"]

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from motion_files import HUMAN, OPENSIM, degrees, misfit, write_mot, write_table
+from running import tries
 
 import footopt as fo
 from footopt.errors import FileError, SettingError
@@ -42,10 +43,9 @@ def drawn(seed):
 
 
 class TestStrides:
-    @pytest.mark.parametrize("seeds", [range(15), pytest.param(range(15, 30), marks=pytest.mark.slow)])
-    def test_of_random_recordings_period_and_angles_are_right(self, seeds):
+    def test_of_random_recordings_period_and_angles_are_right(self):
         """In 400 the largest error of an angle was half a degree: docs/files.md."""
-        for seed in seeds:
+        for seed in range(tries(6)):
             gait, t, angles = drawn(seed)
             found = fo.fit_gait(t, *angles.values())
             assert found.period == pytest.approx(gait.period, rel=0.002), seed
@@ -78,25 +78,6 @@ class TestStrides:
         turned = fo.read_gait(path, window=(0.2, 0.2 + HUMAN.period))  # from the middle of a stride
         assert misfit(turned) < 0.15
 
-    @pytest.mark.parametrize("end", [1.0, 1.5])
-    def test_a_window_that_does_not_close_is_refused(self, tmp_path, end):
-        path = write_table(tmp_path / "walk.csv", HUMAN, 3.0)
-        with pytest.raises(FileError, match=r"differs by .* deg at its ends.* Set gait\.window"):
-            fo.read_gait(path, window=(0.0, end))
-
-    @pytest.mark.parametrize("window", [(1.0, 99.0), (-1.0, 0.3)])
-    def test_a_window_beside_the_file_is_refused(self, tmp_path, window):
-        path = write_table(tmp_path / "walk.csv", HUMAN, 3.0)
-        with pytest.raises(FileError, match=r"gait\.window = .* is not in the file"):
-            fo.read_gait(path, window=window)
-        with pytest.raises(SettingError, match=r"gait\.window = "):
-            fo.read_gait(path, window=window[::-1])
-
-    def test_what_repeats_nowhere_is_refused(self, tmp_path):
-        path = write_table(tmp_path / "walk.csv", HUMAN, 1.5)
-        with pytest.raises(FileError, match=r"no stride closes.*gait\.window=\[t0,t1\]"):
-            fo.read_gait(path)
-
     def test_a_stride_unlike_the_others_is_refused(self):
         t = np.arange(0.0, 6.0, 0.01)
         angles = degrees(HUMAN, t / HUMAN.period)
@@ -108,21 +89,6 @@ class TestStrides:
         t = np.arange(0.0, 6.0, 0.01)
         with pytest.raises(FileError, match="walk backwards"):
             fo.fit_gait(t, *degrees(HUMAN, -t / HUMAN.period).values())
-
-    @pytest.mark.parametrize(
-        ("change", "message"),
-        [
-            (lambda t, thigh, knee: (t, 0.01 * thigh, knee), "the thigh moves by .* deg only"),
-            (lambda t, thigh, knee: (t, thigh, 3.0 * knee), "the knee reaches from"),
-            (lambda t, thigh, knee: (t[::-1], thigh, knee), "the time must increase"),
-            (lambda t, thigh, knee: (10.0 * t, thigh, knee), "s is no walk"),
-        ],
-    )
-    def test_what_is_no_walk_is_named(self, change, message):
-        t = np.arange(0.0, 1.2 * 4, 0.01)
-        angles = degrees(replace(HUMAN, period=1.2), t / 1.2)
-        with pytest.raises(FileError, match=rf"gait = 'angles'.*{message}"):
-            fo.fit_gait(*change(t, angles["thigh"], angles["knee"]))
 
 
 class TestOpenSim:
@@ -199,34 +165,3 @@ class TestCsv:
         gait = fo.read_gait(tmp_path / "g.csv")
         assert gait.period == 1.2
         assert misfit(gait) < 0.02
-
-    def test_too_few_harmonics_show_in_the_residual(self, tmp_path):
-        gait = fo.read_gait(write_table(tmp_path / "g.csv", HUMAN, 1.0), harmonics=3)
-        assert 0.5 < dict(gait.residual)["knee"] < 5.0
-
-    @pytest.mark.parametrize(
-        ("spoil", "message"),
-        [
-            (lambda r: [r[0].replace("knee", "hip"), *r[1:]], r"no column for the knee.*gait\.names\.knee="),
-            (lambda r: r[:32], r"deg at its ends.*gait\.window"),
-            (lambda r: r[:1] + r[1::6], "at least 14 rows of a stride"),
-            (lambda r: [*r[:4], "0.05,much,1,1", *r[5:]], "row 4: thigh is 'much'"),
-            (lambda r: r[:1], "has 0 rows"),
-        ],
-    )
-    def test_what_is_wrong_with_one_is_named(self, tmp_path, spoil, message):
-        path = write_table(tmp_path / "g.csv", HUMAN, 1.0)
-        path.write_text("\n".join([*spoil(path.read_text().splitlines()), ""]))
-        with pytest.raises(FileError, match=rf"gait\.path = .*g\.csv.*{message}"):
-            fo.read_gait(path)
-
-
-@pytest.mark.parametrize("ending", ["trc", "c3d"])
-def test_markers_are_refused_with_what_is_read_instead(tmp_path, ending):
-    with pytest.raises(FileError, match=r"joint angles \(CSV, MOT, STO\).*inverse kinematics"):
-        fo.read_gait(tmp_path / f"walk.{ending}")
-
-
-def test_an_unknown_ending_is_refused(tmp_path):
-    with pytest.raises(SettingError, match=r"gait\.path = .*\.csv, \.mot"):
-        fo.read_gait(tmp_path / "gait.xlsx")

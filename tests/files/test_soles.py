@@ -14,7 +14,7 @@ from shapely import LinearRing, LineString, MultiLineString
 from svgpathtools import parse_path
 
 import footopt as fo
-from footopt.errors import FileError, SettingError
+from footopt.errors import FileError
 from footopt.files.soles import lines_of, lower_edge
 
 HOLLOW = fo.Foot.from_waypoints([5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4])
@@ -163,17 +163,6 @@ class TestSvg:
             read(path)
         same(read(path, units="mm"), LOWER, 1e-9)
 
-    @pytest.mark.parametrize(
-        ("shapes", "said"),
-        [
-            ('<rect width="3" height="4"/', "cannot be read as SVG .*line 2, column"),
-            ("<text>sole</text>", "holds no line"),
-        ],
-    )
-    def test_what_cannot_be_read_is_said_with_its_place(self, svg, shapes, said):
-        with pytest.raises(FileError, match=said):
-            read(svg(shapes))
-
 
 UNITS = [(1, 0.0254), (4, 1e-3), (5, 1e-2), (6, 1.0)]
 SCALES = st.floats(0.3, 1.1)  # the other reader has arcs as cubics, 0.03 % off
@@ -235,39 +224,6 @@ class TestDxf:
         assert "not its holes: a closed outline of 11.9" in note
         assert note.count("a closed outline of") == 3
 
-    @pytest.mark.parametrize("inner", ["sole", "open"])
-    def test_a_frame_round_a_sole_is_no_outline(self, dxf, inner):
-        def draw(space):
-            space.add_lwpolyline([(-150, -90), (150, -90), (150, 90), (-150, 90)], close=True)
-            space.add_lwpolyline([(-100, 0), (0, -20), (100, 0)], close=inner == "sole")
-
-        with pytest.raises(FileError, match="it holds 2"):
-            read(dxf(draw))
-
-    def test_a_body_beside_the_outline_is_left_alone(self, dxf):
-        def draw(space):
-            space.add_lwpolyline([(-100, 0), (0, -20), (100, 0)])
-            mesh = space.add_polymesh((3, 3))
-            for i, j in np.ndindex(3, 3):
-                mesh.set_mesh_vertex((i, j), (i, j, 1))
-            ezdxf.render.forms.cube().render_polyface(space)
-
-        same(read(dxf(draw)), [(-0.1, 0), (0, -0.02), (0.1, 0)])
-
-    @pytest.mark.parametrize(
-        ("change", "said"),
-        [
-            (lambda text: text.replace("ENTITIES", "ENTITIE\nS"), "it is damaged, or something else"),
-            (lambda text: text[:-9], r"\(it does not end with EOF: is it cut off\?\)"),
-            (lambda text: "AutoCAD Binary DXF" + text, "a binary DXF file"),
-        ],
-    )
-    def test_what_is_damaged_is_said_in_plain_words(self, dxf, change, said):
-        path = dxf(lambda space: space.add_line((-100, 0), (100, 0)))
-        path.write_text(change(path.read_text()))
-        with pytest.raises(FileError, match=said):
-            read(path)
-
 
 class TestCsv:
     def test_no_header_needs_units(self, table):
@@ -279,21 +235,6 @@ class TestCsv:
     def test_a_closed_table_is_an_outline(self, table):
         rows = "\n".join(f"{x},{z}" for x, z in [*OUTLINE, OUTLINE[0]])
         same(read(table(f"x_mm,z_mm\n{rows}\n")), LOWER)
-
-    @pytest.mark.parametrize(
-        ("text", "message"),
-        [
-            ("x_mm,depth\n1,2\n", "lacks x or z; it holds x_mm, depth"),
-            ("x_mm,z_mm\n1,2\n3,four\n", "row 2: z_mm is 'four'"),
-            ("x_mm,z_mm\n1,2\n3\n", "row 2 has 1 cells"),
-            ("x_mm,z_mm\n1,2\n3,nan\n", "row 2: z_mm is 'nan'"),
-            ("x_furlong,z_furlong\n1,2\n", "says 'furlong'"),
-            ("x_mm,z_mm\n", "holds no line"),
-        ],
-    )
-    def test_what_is_wrong_is_named(self, table, text, message):
-        with pytest.raises(FileError, match=message):
-            read(table(text))
 
 
 class TestTheLine:
@@ -327,59 +268,26 @@ class TestTheLine:
         assert 0.1 - np.linalg.norm(middles, axis=1).min() < 2e-5
         assert len(points) < 300
 
-    @pytest.mark.parametrize(
-        "given", [{"units": "feet"}, {"scale": 0.0}, {"toe": "up"}, {"origin": "heel"}, {"layer": "top"}]
-    )
-    def test_settings_that_cannot_be_used_are_refused(self, svg, given):
-        (setting,) = given
-        with pytest.raises(SettingError, match=rf"foot\.{setting} = .*must be"):
-            read(svg(polygon(OUTLINE)), **given)
-
     def test_is_one_of_several_by_its_layer(self, svg):
-        """A drawing without names, or with one only, offers none."""
-        screw = '<circle cx="20" cy="45" r="4"/>'
-        with pytest.raises(FileError, match=r"holds 2: .* 250 x 50 mm.*; .* 8 x 8 mm on 'screw'.*'a', "):
-            read(svg(f'<g id="a">{polygon(OUTLINE)}</g><g id="screw">{screw}</g>'))
-        same(read(svg(f'<g id="a">{polygon(OUTLINE)}</g><g id="screw">{screw}</g>'), layer="a"), LOWER, 1e-9)
-        with pytest.raises(FileError, match=r"holds 2: .* mm\. Delete the others"):
-            read(svg(polygon(OUTLINE) + screw))
-        with pytest.raises(FileError, match=r"holds 2: .* on 'a'\. Delete the others"):
-            read(svg(f'<g id="a">{polygon(OUTLINE)}<path d="M20 45h4v4h-4z"/></g>'))
+        shapes = f'<g id="a">{polygon(OUTLINE)}</g><g id="screw"><circle cx="20" cy="45" r="4"/></g>'
+        with pytest.raises(FileError, match=r"holds 2: .*'screw'"):
+            read(svg(shapes))
+        same(read(svg(shapes), layer="a"), LOWER, 1e-9)
 
     @pytest.mark.parametrize(
-        ("ends", "units", "mended", "message"),
+        ("ends", "units", "mended", "named"),
         [
-            ([((-130, 0), (130, 0))], 6, {"units": "mm"}, r"would be 260 m long\. Set foot\.units"),
-            (
-                [((-0.695, 0), (0.695, 0))],
-                6,
-                {"scale": 0.13 / 0.695},
-                r"would be 1\.39 m long\. Set foot\.units",
-            ),
-            ([((-130, 0), (130, 0))], 0, {"units": "mm"}, r"not say in which unit it is\. Set foot\.units"),
-            ([((500, 300), (760, 300))], 4, {"origin": "centre"}, r"x 500 and 760 mm.*foot\.origin=centre"),
-            (
-                [((-100, 0), (0, -9)), ((0.5, -9), (100, 0))],
-                4,
-                None,
-                r"2: an open .*gaps above 0\.01 mm",
-            ),
-            (
-                [((0, 0), (0, -20)), ((0, -20), (90, -9)), ((90, -9), (0, 5))],
-                4,
-                None,
-                "which end is the heel",
-            ),
+            ([((-130, 0), (130, 0))], 6, {"units": "mm"}, r"foot\.units"),
+            ([((-130, 0), (130, 0))], 0, {"units": "mm"}, r"foot\.units"),
+            ([((500, 300), (760, 300))], 4, {"origin": "centre"}, r"foot\.origin=centre"),
+            ([((-100, 0), (0, -9)), ((0.5, -9), (100, 0))], 4, None, "gaps above 0"),
+            ([((0, 0), (0, -20)), ((0, -20), (90, -9)), ((90, -9), (0, 5))], 4, None, "the heel"),
         ],
-        ids=["units", "as long as a leg", "no units", "origin", "gap", "ends"],
+        ids=["units", "no units", "origin", "gap", "ends"],
     )
-    def test_that_is_no_sole_is_refused_with_what_to_change(self, dxf, ends, units, mended, message):
+    def test_that_is_no_sole_is_refused_with_what_to_change(self, dxf, ends, units, mended, named):
         path = dxf(lambda space: [space.add_line(*end) for end in ends], units)
-        with pytest.raises(FileError, match=message):
+        with pytest.raises(FileError, match=named):
             read(path, **({} if mended else {"origin": "centre"}))
         if mended:
             same(read(path, **mended), LEVEL)
-
-    def test_that_crosses_itself_is_refused_with_the_place(self, svg):
-        with pytest.raises(FileError, match=r"crosses itself at \(0\.00, 0\.00\) mm"):
-            read(svg(polygon([(-100, -10), (100, 10), (100, -10), (-100, 10)])))

@@ -1,7 +1,5 @@
 """The printed body, read back by other programs: closed, of the right area and volume."""
 
-import sys
-
 import numpy as np
 import pytest
 import trimesh
@@ -10,8 +8,6 @@ from hypothesis import strategies as st
 from shapely import Polygon
 
 import footopt as fo
-from footopt.errors import MissingError
-from footopt.files.feet import write_all
 from footopt.files.outline import body_outline
 from footopt.foot import SHAPES
 
@@ -90,16 +86,3 @@ def test_a_cad_kernel_reads_one_valid_solid(tmp_path, capfd, foot):
     half = 500.0 * foot.width
     corners = [[at.X(), at.Y(), at.Z()] for at in (box.CornerMin(), box.CornerMax())]
     np.testing.assert_allclose(corners, [[left, -half, low], [right, half, high]], atol=1e-5)
-
-
-def test_without_opencascade_the_other_files_are_written_and_a_note_says_what_step_needs(
-    tmp_path, monkeypatch
-):
-    monkeypatch.setitem(sys.modules, "OCP", None)
-    written, (note,) = write_all(HOLLOW, tmp_path, (0.06, 0.02))
-    assert [path.name for path in written] == [f"contour.{end}" for end in ("csv", "dxf", "svg", "stl")]
-    assert {path.name for path in tmp_path.iterdir()} == {path.name for path in written}
-    assert "contour.step" in note
-    assert note.endswith('pip install "footopt[cad]"')
-    with pytest.raises(MissingError, match="STEP needs OCP"):
-        fo.write_foot(HOLLOW, tmp_path / "foot.step")

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 from numba import njit
-from rest_matrix import spread, stand
 
 import footopt as fo
 from footopt.errors import SettingError
@@ -44,15 +43,18 @@ def test_who_stands_for_a_minute_stays(zeta, ramp_foot):
 
 @pytest.mark.slow  # of compiling
 @pytest.mark.parametrize(("zeta", "slope"), [(0.2, 0.0), (5.0, 15.0)])
-def test_presets_time_steps_and_delta_put_him_in_one_place(zeta, slope):
-    """A part of `rest_matrix`, whose table docs/effects.md has."""
-    rows = [
-        stand(zeta, slope, name) for name in ("draft", "standard", "fine", "dt 1e-2", "dt 1e-2, delta/10")
-    ]
-    assert not any(reason for _, _, _, reason, *_ in rows)
-    assert max(drift for *_, drift, _, _, _ in rows) < DRIFT
-    assert max(load for *_, load in rows) < 1e-6
-    assert spread([(x, z) for *_, x, z, _ in rows]) < PLACE
+def test_accuracies_time_steps_and_delta_put_the_walker_in_one_place(zeta, slope, ramp_foot):
+    tilt, by_hand = fo.Slope(slope), fo.Accuracy(dt=1e-2, plates=56)
+    numerics = [("draft", 1e-6), ("standard", 1e-6), ("fine", 1e-6), (by_hand, 1e-6), (by_hand, 1e-7)]
+    places = []
+    for accuracy, delta in numerics:
+        walk = fo.simulate(ramp_foot, replace(standing(zeta), effects=(fo.Rest(delta), tilt)), accuracy)
+        assert walk.feasible
+        assert drift(walk) < DRIFT
+        carries = walk.scene.walker.mass * walk.scene.gravity[1]
+        assert walk.force[-1, :, 1].sum() == pytest.approx(carries, rel=1e-6)
+        places.append(walk.com[-1])
+    assert np.hypot(*np.ptp(places, axis=0)) < PLACE
 
 
 def test_without_bristles_he_sinks_by_more_than_a_millimetre(ramp_foot):
