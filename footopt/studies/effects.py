@@ -1,19 +1,89 @@
-"""study=effects: which effects a scene calls for, by the audit of each."""
+"""study=effects: the changes that each effect makes in a scene, and its cost; `effects=auto` follows them."""
 
 from __future__ import annotations
 
+import os
+import statistics
+import time
 from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
 
-from rich.table import Table
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from rich.table import Table as RichTable
 
-from footopt.effects import name_of
+from footopt.effects import EFFECTS, Effect, name_of
+from footopt.effects.base import parameters
 from footopt.errors import check
+from footopt.foot import Foot, Waypoints
 from footopt.report import terminal
 from footopt.report.numbers import percent
-from footopt.studies.audit import Audit, audit, every_effect, switched, tolerance
 from footopt.studies.base import Study, accuracy_entry, scene_entry
-from footopt.walk import FIVE, evaluate
+from footopt.studies.build import make_scene
+from footopt.studies.settings import Config
+from footopt.walk import FIVE, Scene, Table, evaluate
+from footopt.walk.accuracy import TOLERANCES, AnyAccuracy
 from footopt.walk.ladder import numerics
+from footopt.walk.objectives import relative_change
+
+Array = NDArray[np.float64]
+
+#: Seconds of this thread alone, whatever else the machine does. Windows counts those by 1/64: too coarse.
+own_time = time.perf_counter if os.name == "nt" else time.thread_time
+QUANTILE = 95.0  # of the feet: the change that this share of them does not exceed, as for accuracy, %
+REPEATS = 3  # of the evaluations that are timed
+TOLERANCE = 0.01  # where neither the effects nor the accuracy state one
+RANDOM_FEET = 40  # that decide for a search
+
+
+class Audit(NamedTuple):
+    """The changes that one effect makes in a scene."""
+
+    effect: Effect
+    changes: Array  # (FIVE,), relative, not exceeded by 95 % of the feet; NaN if no foot walks in both
+    shifts: Array  # (FIVE,), the median change with its sign
+    tau: float  # Kendall's, of J_W over the feet without and with it: 1 is the same ranking
+    lost: int  # feet that walk without it and fail with it
+    cost: float  # time of a walk with it over that without it
+    tolerance: float  # the relative change that matters
+
+    @property
+    def name(self) -> str:
+        """The effect, in words."""
+        return name_of(self.effect).replace("_", " ")
+
+    @property
+    def matters(self) -> bool:
+        """Whether it changes an objective by more than the tolerance, or makes walks fail."""
+        return self.lost > 0 or not bool((self.changes <= self.tolerance).all())
+
+    @property
+    def verdict(self) -> str:
+        """In words, for the user's tolerance."""
+        worst = int(np.argmax(np.nan_to_num(self.changes, nan=-1.0)))
+        says = f"{self.name} changes {FIVE[worst].replace('_', ' ')} by {percent(self.changes[worst])}"
+        limit = f"your {percent(self.tolerance)}"
+        if self.matters:
+            fails = f", {self.lost} walks fail" if self.lost else ""
+            return f"{says}{fails}: above {limit}, keep it"
+        return f"{says}: below {limit}, leave it out, saves {100 * (1 - 1 / self.cost):.0f} %"
+
+    @property
+    def entry(self) -> dict[str, Any]:
+        """In result.json."""
+        return {
+            "effect": name_of(self.effect),
+            "parameters": parameters(self.effect),
+            "changes": dict(zip(FIVE, self.changes.tolist(), strict=True)),
+            "shifts": dict(zip(FIVE, self.shifts.tolist(), strict=True)),
+            "kendall_tau": self.tau,
+            "walks_lost": self.lost,
+            "time_ratio": self.cost,
+            "tolerance": self.tolerance,
+            "matters": self.matters,
+            "verdict": self.verdict,
+        }
 
 
 def run(study: Study) -> None:
@@ -45,7 +115,7 @@ def run(study: Study) -> None:
     )
 
 
-def table(found: Sequence[Audit]) -> Table:
+def table(found: Sequence[Audit]) -> RichTable:
     """Audits for the terminal: changes with the sign of their median."""
     shown = terminal.table(
         ("effect", *(n.replace("_", " ") for n in FIVE), "tau", "time"),
@@ -60,3 +130,126 @@ def table(found: Sequence[Audit]) -> Table:
         ]
         shown.add_row(a.name, *cells, f"{a.tau:.2f}", f"x {a.cost:.2f}")
     return shown
+
+
+def audit(
+    effect: Effect,
+    scene: Scene,
+    feet: Sequence[Foot] | ArrayLike,
+    accuracy: AnyAccuracy | str,
+    tolerance: float,
+    space: Waypoints | None = None,
+) -> Audit:
+    """Evaluate feet in a scene with an effect and without it.
+
+    Parameters
+    ----------
+    effect : Effect
+        Switched on, in place of one of its kind.
+    scene : Scene
+        Its other effects stay on.
+    feet, accuracy, space
+        As in `evaluate`.
+    tolerance : float
+        The relative change of an objective that matters.
+    """
+    from scipy.stats import kendalltau
+
+    scenes = switched(effect, scene)
+    without, with_ = (evaluate(feet, s, accuracy, space=space) for s in scenes)  # compiled, poses made
+    ratios = []
+    for _ in range(REPEATS):
+        began = own_time()
+        evaluate(feet, scenes[0], accuracy, space=space, threads=1)
+        between = own_time()
+        evaluate(feet, scenes[1], accuracy, space=space, threads=1)
+        ratios.append((own_time() - between) / (between - began))
+    both = without.feasible & with_.feasible
+    ranked = without.efficiency[both], with_.efficiency[both]
+    change = relative_changes(without, with_)
+    return Audit(
+        effect=effect,
+        changes=exceeded(change),
+        shifts=np.median(change, axis=0) if len(change) else np.full(len(FIVE), np.nan),
+        tau=kendalltau(*ranked).statistic if both.sum() > 1 else np.nan,
+        lost=int((without.feasible & ~with_.feasible).sum()),
+        cost=statistics.median(ratios),
+        tolerance=tolerance,
+    )
+
+
+def relative_changes(without: Table, with_: Table) -> Array:
+    """Relative changes of `FIVE` for the feet that have all of them in both tables, (feet, FIVE)."""
+    change = relative_change(with_.values, without.values)
+    return change[np.isfinite(change).all(axis=1)]
+
+
+def exceeded(change: Array) -> Array:
+    """The change of each objective that 95 % of the feet do not exceed, (FIVE,); NaN without feet."""
+    return np.percentile(np.abs(change), QUANTILE, axis=0) if len(change) else np.full(len(FIVE), np.nan)
+
+
+def switched(effect: Effect, scene: Scene) -> tuple[Scene, Scene]:
+    """A scene without an effect, and with it in place of one of its kind."""
+    others = tuple(e for e in scene.effects if not isinstance(e, type(effect)))
+    return replace(scene, effects=others), replace(scene, effects=(*others, effect))
+
+
+def every_effect(scene: Scene) -> list[Effect]:
+    """Every effect, as the scene names it or with its own defaults."""
+    given = {type(effect): effect for effect in scene.effects}
+    return [given.get(kind) or kind() for kind in EFFECTS.values()]
+
+
+def tolerance(config: Config) -> float:
+    """The relative change that matters: the effects' own, the accuracy's, or `TOLERANCE`."""
+    given = config.effects.tolerance
+    if given is not None:
+        check(0 < given < 1, "effects.tolerance", given, "a relative change between 0 and 1")
+        return given
+    return config.accuracy.tolerance or TOLERANCES.get(config.accuracy.name, TOLERANCE)
+
+
+def choose_effects(study: Study, foot: Foot | None = None) -> tuple[Scene, dict[str, Any]]:
+    """The scene of a study with the effects that `effects=auto` chooses.
+
+    Effects from the literature are audited one after the other, each in the scene with those before it that
+    matter: inertia acts on faces that lead.
+
+    Parameters
+    ----------
+    study : Study
+        Its settings name the scene.
+    foot : Foot, optional
+        The one that is simulated; without it random soles of the design space decide.
+
+    Returns
+    -------
+    scene : Scene
+        With these effects.
+    entry : dict
+        Of result.json: the audits, and the changes that the effects left out would make.
+    """
+    config, space = study.config, study.space
+    if not config.effects.auto:
+        return study.scene, {"effects_audit": [], "left_out": {}}
+    scene = make_scene(replace(config, effects=replace(config.effects, auto=False)))
+    feet: Any = [foot] if foot else space.random(RANDOM_FEET, seed=study.seed, inside=True)
+    limit, audits = tolerance(config), list[Audit]()
+    for effect in every_effect(scene):
+        if effect.literature and effect not in scene.effects:
+            with study.compiling(f"a walk with {name_of(effect)}"):
+                evaluate(feet[:1], switched(effect, scene)[1], study.accuracy, space=space)
+            audits.append(audit(effect, scene, feet, study.accuracy, limit, space))
+            if audits[-1].matters:
+                scene = replace(scene, effects=(*scene.effects, effect))
+    left_out = [a.effect for a in audits if not a.matters]
+    whole = replace(scene, effects=(*scene.effects, *left_out))
+    with study.compiling("a walk with all effects"):
+        without, with_ = (evaluate(feet, s, study.accuracy, space=space) for s in (scene, whole))
+    study.say(*(f"effects=auto: {a.verdict}" for a in audits))
+    sizes = np.nan_to_num(exceeded(relative_changes(without, with_)))
+    return scene, {
+        "effects_audit": [a.entry for a in audits],
+        "left_out": dict(zip(FIVE, sizes.tolist(), strict=True)),
+    }

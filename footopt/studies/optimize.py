@@ -30,9 +30,9 @@ from footopt.report import terminal
 from footopt.report.numbers import number, quantity, title
 from footopt.report.progress import report_generations
 from footopt.studies import ranks
-from footopt.studies.audit import choose_effects
 from footopt.studies.base import Study, accuracy_entry, describe_ladder, foot_entry
 from footopt.studies.build import check_searchable, make_problem
+from footopt.studies.effects import choose_effects
 from footopt.studies.simulate import check_film, judged, write_film, write_walk
 from footopt.walk import MEASURES, gain_shares, simulate
 

@@ -1,12 +1,10 @@
 """The effect audit: what an effect changes in a scene, and whether that matters."""
 
-from dataclasses import replace
-
 import numpy as np
 
 import footopt as fo
 from footopt.effects import EFFECTS
-from footopt.studies.audit import audit, every_effect, switched
+from footopt.studies.effects import audit, every_effect, switched
 
 FEET = fo.Waypoints().random(12, seed=3, inside=True)
 
@@ -15,9 +13,9 @@ def test_an_effect_that_acts_is_kept_and_says_what_it_changes():
     found = audit(fo.LeadingEdge(), fo.Scene(), FEET, "draft", 0.01)
     assert found.matters
     assert "keep it" in found.verdict
-    assert "leave it out" in replace(found, tolerance=10.0).verdict
+    assert "leave it out" in found._replace(tolerance=10.0).verdict
     assert 0.0 < found.tau < 1.0
-    assert (found.lost, found.feet) == (0, 12)
+    assert found.lost == 0
     with_ = fo.evaluate(FEET, fo.Scene(effects=(fo.LeadingEdge(),)), "draft").values
     without = fo.evaluate(FEET, fo.Scene(), "draft").values
     expected = np.percentile(np.abs(with_ / without - 1.0), 95.0, axis=0)
