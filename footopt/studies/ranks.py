@@ -23,27 +23,13 @@ Ints = NDArray[np.int64]
 
 
 class RankChange(NamedTuple):
-    """The best design under another law: its place among the finalists, and against the flat sole.
-
-    Parameters
-    ----------
-    law : str
-        Its name.
-    place : int
-        Of the best design; 1 is the first.
-    loss : float
-        Of the single objective against the best finalist under this law, relative; NaN for several.
-    turned : tuple of str
-        Objectives in which the best design and the flat sole change places.
-    change : dict of str to float
-        Of each objective from the flat sole to the best design, relative; NaN where one of them failed.
-    """
+    """The best design under another law: its place among the finalists, and against the flat sole."""
 
     law: str
-    place: int
-    loss: float
-    turned: tuple[str, ...]
-    change: dict[str, float]
+    place: int  # of the best design; 1 is the first
+    loss: float  # of the single objective, relative to the best finalist under this law; NaN for several
+    turned: tuple[str, ...]  # objectives in which the best design and the flat sole change places
+    change: dict[str, float]  # relative, from the flat sole to the best design; NaN where one of them failed
 
 
 def alternative_laws(scene: Scene, spread: float) -> list[Scenario]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 from footopt.errors import check
 from footopt.report import terminal
@@ -46,30 +45,12 @@ def run(study: Study) -> None:
     study.conclude(
         "The law against experiments",
         [table],
-        {"counts": counts(found), "comparisons": [entry(c) for c in found]},
+        {
+            "counts": counts(found),
+            "comparisons": [{**vars(c), "error": c.size, "verdict": c.verdict} for c in found],
+        },
         summary=[summary(found)],
     )
-
-
-def entry(c: Comparison) -> dict[str, Any]:
-    """A comparison in result.json."""
-    return {
-        "experiment": c.experiment,
-        "quantity": c.quantity,
-        "unit": c.unit,
-        "law": list(c.law),
-        "error_rms": c.size,
-        "error_mean": c.bias,
-        "band": c.band,
-        "scale": c.scale,
-        "verdict": c.verdict,
-        "points": c.points,
-        "S": c.simulated,
-        "D": c.measured,
-        "u_num": c.numerical,
-        "u_input": c.inputs,
-        "u_exp": c.experimental,
-    }
 
 
 def counts(found: Sequence[Comparison]) -> dict[str, int]:

@@ -203,7 +203,7 @@ class TestStudy:
         check_page(tmp_path)
         result = json.loads((tmp_path / "result.json").read_text())
         assert sum(result["counts"].values()) == len(result["comparisons"]) == 2
-        assert [len(c["S"]) for c in result["comparisons"]] == [5, 4]
+        assert [len(c["simulated"]) for c in result["comparisons"]] == [5, 4]
         assert {path.stem for path in (tmp_path / "figures").glob("*.png")} == {
             "overview",
             "growth",

@@ -51,14 +51,8 @@ def model_error(
     - The larger change by sand that is softer and harder by the spread of zeta; all of an objective where
       such a walk fails.
 
-    Parameters
-    ----------
-    walk : Walk
-        The walk.
-    left_out : mapping, optional
-        Relative changes by effects that are left out, by objective.
-    spread : float
-        One standard deviation of the logarithm of zeta.
+    `left_out` has the relative changes by effects that are left out, by objective; `spread` is one standard
+    deviation of the logarithm of zeta.
     """
     if not walk.feasible:
         return {}
