@@ -30,12 +30,12 @@ from footopt.studies.runs import run_study
 from footopt.studies.settings import Config, known
 from footopt.walk import PRESETS
 
-#: All choices; those of groups that do not touch each other together, because composing takes a while.
-APART = ("study", "sand", "accuracy", "foot", "engine")
 CHOICES = {group: [f"{group}={name}" for name in names] for group, names in groups().items()}
+SCENES = CHOICES.pop("scene")  # some bring effects
+#: All choices, one of each group in a row, because composing takes a while.
 ROWS = [
-    *([choice] for group in CHOICES if group not in APART for choice in CHOICES[group]),
-    *([choice for choice in row if choice] for row in zip_longest(*(CHOICES[group] for group in APART))),
+    *([choice] for choice in SCENES),
+    *([choice for choice in row if choice] for row in zip_longest(*CHOICES.values())),
 ]
 
 
