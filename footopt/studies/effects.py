@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from rich.table import Table as RichTable
+from rich.table import Table
 
 from footopt.effects import EFFECTS, Effect, name_of
 from footopt.effects.base import parameters
@@ -22,7 +22,7 @@ from footopt.report.numbers import percent
 from footopt.studies.base import Study, accuracy_entry, scene_entry
 from footopt.studies.build import make_scene
 from footopt.studies.settings import Config
-from footopt.walk import FIVE, Scene, Table, evaluate
+from footopt.walk import FIVE, Scene, evaluate
 from footopt.walk.accuracy import TOLERANCES, AnyAccuracy
 from footopt.walk.ladder import numerics
 from footopt.walk.objectives import relative_change
@@ -115,7 +115,7 @@ def run(study: Study) -> None:
     )
 
 
-def table(found: Sequence[Audit]) -> RichTable:
+def table(found: Sequence[Audit]) -> Table:
     """Audits for the terminal: changes with the sign of their median."""
     shown = terminal.table(
         ("effect", *(n.replace("_", " ") for n in FIVE), "tau", "time"),
@@ -166,27 +166,18 @@ def audit(
         ratios.append((own_time() - between) / (between - began))
     both = without.feasible & with_.feasible
     ranked = without.efficiency[both], with_.efficiency[both]
-    change = relative_changes(without, with_)
+    change = relative_change(with_.values, without.values)
+    change = change[np.isfinite(change).all(axis=1)]  # of feet that walk in both
+    none = np.full(len(FIVE), np.nan)
     return Audit(
         effect=effect,
-        changes=exceeded(change),
-        shifts=np.median(change, axis=0) if len(change) else np.full(len(FIVE), np.nan),
+        changes=np.percentile(np.abs(change), QUANTILE, axis=0) if len(change) else none,
+        shifts=np.median(change, axis=0) if len(change) else none,
         tau=kendalltau(*ranked).statistic if both.sum() > 1 else np.nan,
         lost=int((without.feasible & ~with_.feasible).sum()),
         cost=statistics.median(ratios),
         tolerance=tolerance,
     )
-
-
-def relative_changes(without: Table, with_: Table) -> Array:
-    """Relative changes of `FIVE` for the feet that have all of them in both tables, (feet, FIVE)."""
-    change = relative_change(with_.values, without.values)
-    return change[np.isfinite(change).all(axis=1)]
-
-
-def exceeded(change: Array) -> Array:
-    """The change of each objective that 95 % of the feet do not exceed, (FIVE,); NaN without feet."""
-    return np.percentile(np.abs(change), QUANTILE, axis=0) if len(change) else np.full(len(FIVE), np.nan)
 
 
 def switched(effect: Effect, scene: Scene) -> tuple[Scene, Scene]:
@@ -228,11 +219,11 @@ def choose_effects(study: Study, foot: Foot | None = None) -> tuple[Scene, dict[
     scene : Scene
         With these effects.
     entry : dict
-        Of result.json: the audits, and the changes that the effects left out would make.
+        Of result.json: the audits.
     """
     config, space = study.config, study.space
     if not config.effects.auto:
-        return study.scene, {"effects_audit": [], "left_out": {}}
+        return study.scene, {"effects_audit": []}
     scene = make_scene(replace(config, effects=replace(config.effects, auto=False)))
     feet: Any = [foot] if foot else space.random(RANDOM_FEET, seed=study.seed, inside=True)
     limit, audits = tolerance(config), list[Audit]()
@@ -243,13 +234,5 @@ def choose_effects(study: Study, foot: Foot | None = None) -> tuple[Scene, dict[
             audits.append(audit(effect, scene, feet, study.accuracy, limit, space))
             if audits[-1].matters:
                 scene = replace(scene, effects=(*scene.effects, effect))
-    left_out = [a.effect for a in audits if not a.matters]
-    whole = replace(scene, effects=(*scene.effects, *left_out))
-    with study.compiling("a walk with all effects"):
-        without, with_ = (evaluate(feet, s, study.accuracy, space=space) for s in (scene, whole))
     study.say(*(f"effects=auto: {a.verdict}" for a in audits))
-    sizes = np.nan_to_num(exceeded(relative_changes(without, with_)))
-    return scene, {
-        "effects_audit": [a.entry for a in audits],
-        "left_out": dict(zip(FIVE, sizes.tolist(), strict=True)),
-    }
+    return scene, {"effects_audit": [a.entry for a in audits]}

@@ -100,7 +100,7 @@ def judged(
         "objectives": walk.measures(names),
         "flat": flat.measures(names),
         "error_estimate": errors,
-        "model_error": model_error(walk, chosen["left_out"], study.config.sand.spread),
+        "model_error": model_error(walk, study.config.sand.spread),
         **scene_entry(walk.scene, walk.accuracy, names),
         "validity": {d.name: d.value for d in diagnostics},
         "validity_units": {d.name: d.unit for d in diagnostics},

@@ -10,13 +10,13 @@ FEET = fo.Waypoints().random(12, seed=3, inside=True)
 
 
 def test_an_effect_that_acts_is_kept_and_says_what_it_changes():
-    found = audit(fo.LeadingEdge(), fo.Scene(), FEET, "draft", 0.01)
+    found = audit(fo.Slope(10.0), fo.Scene(), FEET, "draft", 0.01)
     assert found.matters
     assert "keep it" in found.verdict
     assert "leave it out" in found._replace(tolerance=10.0).verdict
     assert 0.0 < found.tau < 1.0
     assert found.lost == 0
-    with_ = fo.evaluate(FEET, fo.Scene(effects=(fo.LeadingEdge(),)), "draft").values
+    with_ = fo.evaluate(FEET, fo.Scene(effects=(fo.Slope(10.0),)), "draft").values
     without = fo.evaluate(FEET, fo.Scene(), "draft").values
     expected = np.percentile(np.abs(with_ / without - 1.0), 95.0, axis=0)
     np.testing.assert_allclose(found.changes, expected)

@@ -113,7 +113,9 @@ def test_data_that_are_another_map_s_are_those_of_the_map(name):
         np.testing.assert_allclose(q["measured"], values, rtol=0.0, atol=5.1e-6)
 
 
-@pytest.mark.parametrize("e", ALL.values(), ids=list(ALL))
+@pytest.mark.parametrize(
+    "e", [pytest.param(e, id=n, marks=[pytest.mark.slow] * (n == "people")) for n, e in ALL.items()]
+)
 def test_numbers_are_good_enough_to_judge_and_docs_and_closing_lines_have_them(e):
     found = [c for law in e.content["laws"] for c in e.compare(law)]
     assert all(np.isfinite(c.error).all() and c.numerical.max() < 0.05 * c.scale for c in found)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
 from functools import cache
 from importlib.resources import files
 from typing import Any
@@ -37,22 +36,18 @@ def found() -> dict[tuple[str, str, tuple[str, ...]], dict[str, Any]]:
     return {(e["experiment"], e["quantity"], tuple(e["law"])): e for e in entries}
 
 
-def model_error(
-    walk: Walk, left_out: Mapping[str, float] | None = None, spread: float = Spread.zeta
-) -> dict[str, float]:
+def model_error(walk: Walk, spread: float = Spread.zeta) -> dict[str, float]:
     """Relative errors of a walk's objectives by its law and its sand; empty for a walk that failed.
 
     Two parts, which add as squares:
 
     - The error of the law in experiments. An effect that was compared with walks and wheels has errors of its
       own. The height of the hip errs by the error of the sinkage, related to it by the walk's own numbers;
-      J_W by the root sum of squares of its factors. The changes that the effects left out by `effects=auto`
-      would make are added.
+      J_W by the root sum of squares of its factors.
     - The larger change by sand that is softer and harder by the spread of zeta; all of an objective where
       such a walk fails.
 
-    `left_out` has the relative changes by effects that are left out, by objective; `spread` is one standard
-    deviation of the logarithm of zeta.
+    `spread` is one standard deviation of the logarithm of zeta.
     """
     if not walk.feasible:
         return {}
@@ -61,7 +56,6 @@ def model_error(
     errors = {name: found()[(*nearest, law)]["error"] for name, nearest in NEAREST.items()}
     sinkage, height = (walk.objectives[name] for name in ("maximum_sinkage", "mean_height"))
     errors["mean_height"] *= sinkage / height
-    errors = {name: error + (left_out or {}).get(name, 0.0) for name, error in errors.items()}
     errors["efficiency"] = math.sqrt(sum(error**2 for error in errors.values()))
     own = np.array([walk.objectives[name] for name in JUDGED])
     changes = np.zeros(len(JUDGED))
