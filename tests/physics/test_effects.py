@@ -1,5 +1,6 @@
 """Effects together: derivatives, limits that go to nothing, balances of walks; settings."""
 
+import operator
 from dataclasses import replace
 
 import numpy as np
@@ -152,3 +153,13 @@ class TestWalks:
 
 def test_the_order_in_which_effects_are_named_does_not_matter():
     assert fo.Scene(effects=ALL[::-1]) == fo.Scene(effects=ALL)
+
+
+@given(*[st.floats(0.5, 2.0)] * 4)
+def test_dual_numbers_have_the_rules_of_derivatives(a, b, da, db):
+    """Of sums, products and quotients, by whichever variable."""
+    for rule in (operator.add, operator.sub, operator.mul, operator.truediv):
+        expected = difference(lambda d, rule=rule: rule(a + da * d, b + db * d))
+        one, other = rule(Dual(a, da, 0.0), Dual(b, db, 0.0)), rule(Dual(a, 0.0, da), Dual(b, 0.0, db))
+        assert (one.value, one.dz) == (rule(a, b), 0.0)
+        assert one.dx == other.dz == pytest.approx(expected, rel=1e-5, abs=1e-6)

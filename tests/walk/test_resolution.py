@@ -1,10 +1,8 @@
 """A walk that its numerics do not resolve is said to be one."""
 
-import json
 from dataclasses import replace
 
 import pytest
-from running import footopt
 
 import footopt as fo
 from footopt.walk.resolution import BEYOND, resolution
@@ -29,19 +27,6 @@ def test_a_warning_names_what_causes_the_error(setting, value, ramp_foot):
     assert found.outside
     assert found.limit == pytest.approx(100.0 * BEYOND * 0.0005)  # of `fine`, %
     assert f"accuracy.{setting}" in found.why
-
-
-def test_terminal_page_and_record_name_the_cause_and_the_setting(tmp_path):
-    custom = ["accuracy=custom", "accuracy.dt=5e-3", "accuracy.plates=4", "accuracy.creep=1e-4"]
-    done = footopt("study=simulate", *custom, "hydra.run.dir=out", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    warned = json.loads((tmp_path / "out" / "result.json").read_text())["warnings"]
-    (found,) = (text for text in warned if "estimated error of" in text)
-    assert "more accuracy.plates" in found
-    page = (tmp_path / "out" / "report.html").read_text()
-    for text in (" ".join(done.stdout.split()), page):
-        assert "estimated error of" in text
-        assert "more accuracy.plates" in text
 
 
 def test_the_smallest_numbers_that_are_allowed_can_be_refined(ramp_foot):
