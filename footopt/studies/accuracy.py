@@ -6,7 +6,7 @@ walk on all of its rungs: their errors are measured against converged walks, the
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, replace
 from typing import Any, NamedTuple
 
@@ -22,6 +22,7 @@ from footopt.studies.effects import own_time
 from footopt.walk import FIVE, Accuracy, Scene, evaluate
 from footopt.walk.accuracy import PRESETS, TOLERANCES, work
 from footopt.walk.ladder import ladder, numbers_at, numerics
+from footopt.walk.objectives import relative_change
 from footopt.walk.steppers import STEPPERS
 
 Array = NDArray[np.float64]
@@ -62,7 +63,10 @@ def run(study: Study) -> None:
         for stepper in STEPPERS:
             evaluate(feet[:1], scene, Accuracy(stepper), space=space, threads=1)
     preset = {name: numerics(PRESETS[name], scene, space) for name in TOLERANCES}
-    settings = [*rungs(scene, space), *preset.items()]
+    fine = [replace(PRESETS["fine"], stepper=stepper) for stepper in STEPPERS]
+    settings = [
+        (of.stepper, numbers_at(of, scene, rung)) for of in fine for rung in ladder(of, scene, space)[1].path
+    ] + [*preset.items()]
     about = f"{len(settings)} settings, {count} feet inside their box"
     study.say(about)
     measured = []
@@ -74,7 +78,7 @@ def run(study: Study) -> None:
             step(news=method)
     others, presets = measured[: -len(preset)], measured[-len(preset) :]
     study.write_csv("accuracy.csv", [*measured[0].row], [[*m.row.values()] for m in measured])
-    study.save("accuracy", work_precision(best_settings(others), presets), CAPTION)
+    study.save("accuracy", work_precision([m for m in others if np.isfinite(m.error)], presets), CAPTION)
     study.conclude(
         "The cost of accuracy",
         [],
@@ -87,14 +91,6 @@ def run(study: Study) -> None:
         summary=[_describe(m, others) for m in presets],
         about=[about],
     )
-
-
-def rungs(scene: Scene, space: Waypoints) -> Iterator[tuple[str, Accuracy]]:
-    """All rungs of every stepper's ladder to `fine`, by method."""
-    for stepper in STEPPERS:
-        of = replace(PRESETS["fine"], stepper=stepper)
-        for rung in ladder(of, scene, space)[1].path:
-            yield stepper, numbers_at(of, scene, rung)
 
 
 def measure(
@@ -120,10 +116,10 @@ def measure(
 
 def relative_error(values: Array, truth: Array) -> Array:
     """Relative error (feet, objectives); infinite where only one of the two walks failed."""
-    with np.errstate(invalid="ignore", divide="ignore"):
-        error = np.abs(values / truth - 1.0)
-    same = (values == truth) | (np.isnan(values) & np.isnan(truth))
-    return np.where(same, 0.0, np.where(np.isfinite(error), error, np.inf))
+    same = np.isnan(values) & np.isnan(truth)
+    return np.where(
+        same, 0.0, np.nan_to_num(np.abs(relative_change(values, truth)), nan=np.inf, posinf=np.inf)
+    )
 
 
 def wrong_pairs(values: Array, truth: Array) -> float:
@@ -132,16 +128,6 @@ def wrong_pairs(values: Array, truth: Array) -> float:
     with np.errstate(invalid="ignore"):
         turned = np.sign(values[first] - values[second]) != np.sign(truth[first] - truth[second])
     return float(turned.mean()) if len(first) else float("nan")
-
-
-def best_settings(measured: Sequence[Measurement]) -> list[Measurement]:
-    """Settings that no other of the same method beats in both error and time, by method, cheapest first."""
-    best: dict[str, list[Measurement]] = {m.method: [] for m in measured}
-    for m in sorted(measured, key=lambda m: (m.ms, m.error)):
-        own = best[m.method]
-        if np.isfinite(m.error) and (not own or m.error < own[-1].error):
-            own.append(m)
-    return [m for own in best.values() for m in own]
 
 
 def _describe(preset: Measurement, others: Sequence[Measurement]) -> str:
