@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from searching import QUICK
 
 import footopt as fo
 
@@ -25,18 +26,17 @@ def test_sobol_indices_of_a_linear_model_are_those_of_its_coefficients():
     assert walked[-1] < -2e-4
 
 
-@pytest.mark.slow
 def test_foot_and_gait_together_are_no_worse_than_the_foot_alone():
     example = runpy.run_path(str(EXAMPLES / "codesign.py"))
     scene, space = fo.Scene(), fo.Waypoints(n=5, K=5)
     own = np.array([*space.random(1, seed=1, inside=True)[0], 3, 3, 3, 3])
     values = example["genes"](own[5:], 5)
-    table = fo.evaluate([own[:5]], scene, "draft", ("efficiency", "distance"), space)
+    table = fo.evaluate([own[:5]], scene, QUICK, ("efficiency", "distance"), space)
     before, distance = table.values[0]
-    given = fo.evaluate([own[:5]], replace(scene, gait=example["varied"](scene.gait, values)), "draft",
+    given = fo.evaluate([own[:5]], replace(scene, gait=example["varied"](scene.gait, values)), QUICK,
                         ("efficiency",), space).values[0, 0]  # fmt: skip
     assert given == pytest.approx(before, rel=1e-6)
-    problem = example["FootAndGait"](scene, space, "draft", 0.99 * distance)
+    problem = example["FootAndGait"](scene, space, QUICK, 0.99 * distance)
     found = example["together"](problem, own[:5], 2)
     assert found.F[0] < before
     assert found.G.max() <= 0.0
