@@ -28,20 +28,7 @@ def run(study: Study) -> None:
 
 
 def run_folders(patterns: Sequence[str], own: Path) -> list[Path]:
-    """Folders of runs, each once, in order; a folder stands for all runs below it.
-
-    Parameters
-    ----------
-    patterns : sequence of str
-        Names or patterns of folders.
-    own : Path
-        The folder of the run that asks, which is left out.
-
-    Raises
-    ------
-    FileError
-        There is no run of that name.
-    """
+    """Folders of runs by name or pattern, each once, without `own`; a folder stands for all below it."""
     found: dict[Path, Path] = {}
     for pattern in patterns:
         if not (runs := identity.runs(pattern)):

@@ -62,9 +62,14 @@ ONLY: tuple[tuple[tuple[str, ...], str, Callable[[Config], bool]], ...] = (
 )  # fmt: skip
 
 
-def covers(name: str, names: Iterable[str]) -> bool:
+def within(name: str, names: Collection[str]) -> bool:
+    """Whether a setting is one of the names, or in a group of them."""
+    return any(f"{name}.".startswith(f"{n}.") for n in names)
+
+
+def covers(name: str, names: Collection[str]) -> bool:
     """Whether a setting is one of the names, in a group of them, or a group with some of them."""
-    return any(f"{name}.".startswith(f"{n}.") or n.startswith(f"{name}.") for n in names)
+    return within(name, names) or any(within(n, [name]) for n in names)
 
 
 def read_by(study: str) -> tuple[str, ...]:
@@ -112,7 +117,7 @@ def check_read(config: Config, overrides: Iterable[str]) -> None:
             hint = f"It is read by study={readers}." if readers else ""
             raise SettingError(name, value, f"left out: study={study} does not read it", hint)
         for names, where, holds in ONLY:
-            if any(f"{name}.".startswith(f"{n}.") for n in names) and not holds(config):
+            if within(name, names) and not holds(config):
                 raise SettingError(name, value, "left out: it has no effect here", f"It is read by {where}.")
 
 

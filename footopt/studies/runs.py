@@ -30,7 +30,7 @@ from footopt.studies.build import (
     make_problem,
     make_scene,
 )
-from footopt.studies.meanings import checked
+from footopt.studies.meanings import checked, within
 from footopt.studies.settings import REPORTS, STUDIES, Config, FootConfig, structured
 from footopt.walk import Accuracy, Scene, Walk, simulate
 from footopt.walk.accuracy import AnyAccuracy
@@ -48,16 +48,13 @@ BUDGETS = ("walks", "n_gen")  # settings of the solver that may make a search lo
 LOG = "footopt.log"  # Hydra's, of what is logged
 
 
-def may_change(name: str) -> bool:
-    """Whether a setting is one of `CHANGEABLE`, or of a group of them."""
-    return any(name == other or name.startswith(f"{other}.") for other in CHANGEABLE)
-
-
 def check_may_change(override: str) -> None:
     """Raise a `SettingError` unless an override of the command line sets one of `CHANGEABLE`."""
     allowed = f"a setting that does not make another run ({', '.join(CHANGEABLE)})"
     hint = "For anything else start a new run, without resume."
-    check("=" in override and may_change(override.partition("=")[0]), "resume", override, allowed, hint)
+    check(
+        "=" in override and within(override.partition("=")[0], CHANGEABLE), "resume", override, allowed, hint
+    )
 
 
 def claim_folder(folder: Path, settings: Mapping[str, Any], overrides: Sequence[str]) -> None:
@@ -82,7 +79,7 @@ def check_resumable(folder: Path, before: Mapping[str, Any], after: Mapping[str,
     if not (found := result_of(folder)):
         return
     changed = changed_settings(plain(before), found["settings"])
-    if other := [name for name in changed if not may_change(name)]:
+    if other := [name for name in changed if not within(name, CHANGEABLE)]:
         raise FileError(
             f"resume = {str(folder)!r}: its result.json is that of another run: {', '.join(other[:4])} "
             f"differ from {identity.FILE}. Start a new run."

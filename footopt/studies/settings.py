@@ -45,7 +45,7 @@ def setting(value: Any, meaning: str | type) -> Any:
     return field(default=value, metadata=told)
 
 
-class Setting(NamedTuple):
+class Leaf(NamedTuple):
     """A setting of a group, and what is said of it."""
 
     name: str  # in full
@@ -54,7 +54,7 @@ class Setting(NamedTuple):
     of_group: str | type  # what is said of the group that it is in
 
 
-def leaves(group: Any, name: str = "", of_group: str | type = "") -> Iterator[Setting]:
+def leaves(group: Any, name: str = "", of_group: str | type = "") -> Iterator[Leaf]:
     """All settings of a group, in their order; one without a meaning has that of its group."""
     for each in fields(group):
         value, path = getattr(group, each.name), f"{name}{each.name}"
@@ -62,7 +62,7 @@ def leaves(group: Any, name: str = "", of_group: str | type = "") -> Iterator[Se
         if is_dataclass(value) and fields(value):
             yield from leaves(value, f"{path}.", meaning)
         else:
-            yield Setting(path, value, meaning, of_group)
+            yield Leaf(path, value, meaning, of_group)
 
 
 def settings_class(kind: type, null: tuple[str, ...] = ()) -> Any:
@@ -291,10 +291,10 @@ def study_kinds() -> list[type[StudySettings]]:
     return [StudySettings, OwnSettings, *(kind for kind, _ in STUDIES.values())]
 
 
-def known() -> dict[str, Setting]:
+def known() -> dict[str, Leaf]:
     """All settings by their full names, with their defaults: those of every effect and every study."""
     study = [each for kind in study_kinds() for each in leaves(kind(), "study.")]
-    found: dict[str, Setting] = {}
+    found: dict[str, Leaf] = {}
     for setting in leaves(everything()):
         for each in study if setting.name == "study.name" else [setting]:
             found.setdefault(each.name, each)
