@@ -150,11 +150,17 @@ def json_text(content: dict[str, Any]) -> str:
 
 def write_csv(path: Path, table: Any) -> None:
     """Write a pandas DataFrame, or columns by name; truth values become 0 and 1, a NaN an empty cell."""
-    import pandas
+    columns = [np.asarray(table[name], dtype=object).tolist() for name in table]
+    with write_whole(path) as new, open(new, "w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(table)
+        writer.writerows([map(_cell, row) for row in zip(*columns, strict=True)])
 
-    frame = pandas.DataFrame(table)
-    with write_whole(path) as new:
-        frame.astype(dict.fromkeys(frame.select_dtypes(bool), int)).to_csv(new, index=False)
+
+def _cell(value: Any) -> Any:
+    if value is None or value != value:  # a NaN
+        return ""
+    return int(value) if isinstance(value, (bool, np.bool_)) else value
 
 
 def write_walk(path: Path, variables: Mapping[str, Variable], attributes: Mapping[str, str]) -> None:

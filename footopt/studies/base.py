@@ -149,9 +149,8 @@ class Study:
 
     def write_csv(self, name: str, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
         """Write a table of numbers; a NaN becomes an empty cell."""
-        import pandas
-
-        files.write_csv(self.folder / name, pandas.DataFrame(list(rows), columns=list(header), dtype=object))
+        cells = [*rows]
+        files.write_csv(self.folder / name, {n: [row[i] for row in cells] for i, n in enumerate(header)})
 
     def save(self, name: str, figure: Any, caption: str = "") -> None:
         """Save a figure as PNG if wanted, and as PDF to print; with a caption as SVG for `conclude`."""
