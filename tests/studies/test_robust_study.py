@@ -20,7 +20,8 @@ from footopt.walk.ladder import numerics
 
 SANDS = sands(fo.Scene())
 #: A study that takes a second.
-BRIEF = ["study=robust", "solver.n_gen=5", "foot.n=5", "solver.pop_size=20", "accuracy=draft"]
+BRIEF = ["study=robust", "solver.n_gen=5", "foot.n=5", "solver.pop_size=20", "accuracy=draft",
+         "study.confirm=standard"]  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +40,7 @@ class TestStudy:
         space = fo.Waypoints(n=5)
         for scenario, saved in zip(SANDS, result["scenarios"], strict=True):
             walked = fo.Accuracy(**saved["accuracy"])
-            assert walked == numerics(PRESETS["fine"], scenario.scene, space)
+            assert walked == numerics(PRESETS["standard"], scenario.scene, space)
             table = fo.evaluate(list(result["feet"].values()), scenario.scene, walked, space=space)
             best = table.efficiency[:3].min()
             expected = 1 - table.efficiency / best

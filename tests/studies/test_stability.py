@@ -55,7 +55,8 @@ class TestStudy:
 
     @pytest.mark.slow
     @pytest.mark.parametrize("name", BEYOND)
-    def test_what_no_preset_resolves_is_said_and_a_run_warns_of_it(self, name, base):
+    def test_what_no_preset_resolves_is_said_and_a_run_warns_of_it(self, name, base, monkeypatch):
+        monkeypatch.setattr(stability, "REFINED", range(1, 4))
         (verdict,) = judge_case(BY_NAME[name], base, ["sdirk2_control"])
         assert not verdict.stable
         assert verdict.decides.name in ("peak", "error")
