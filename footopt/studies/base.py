@@ -90,7 +90,7 @@ class Study:
     @cached_property
     def finer_accuracy(self) -> AnyAccuracy:
         """The accuracy that what a search found is walked again at: study.confirm, or the search's own."""
-        return resolve(self.options.confirm) if self.options.confirm else self.accuracy
+        return resolve(self.options.confirm, "study.confirm") if self.options.confirm else self.accuracy
 
     @cached_property
     def space(self) -> Waypoints:

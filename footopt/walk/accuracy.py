@@ -169,11 +169,11 @@ PRESETS: dict[str, Tolerance] = {
 TOLERANCES = {name: preset.error for name, preset in PRESETS.items() if not preset.refinements}
 
 
-def resolve(accuracy: AnyAccuracy | str) -> AnyAccuracy:
-    """An accuracy, given itself or a preset's name."""
+def resolve(accuracy: AnyAccuracy | str, setting: str = "accuracy") -> AnyAccuracy:
+    """An accuracy, given itself or a preset's name; `setting` is what gave it."""
     if isinstance(accuracy, str):
         if accuracy not in PRESETS:
-            raise SettingError("accuracy", accuracy, f"one of {', '.join(PRESETS)}")
+            raise SettingError(setting, accuracy, f"one of {', '.join(PRESETS)}")
         return PRESETS[accuracy]
     kinds = "an Accuracy, a Tolerance, or a preset's name"
     check(isinstance(accuracy, (Accuracy, Tolerance)), "accuracy", accuracy, kinds, 'Try "standard"')

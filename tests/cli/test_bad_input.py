@@ -44,7 +44,7 @@ COMMANDS = {
     "foot.k=5": "foot.k = '5'",
     # values that the library refuses
     "sand.zeta=0": "sand.zeta = 0",
-    "study.confirm=fien": "'fien'",
+    "study.confirm=fien": "study.confirm = 'fien'",
     "report=some": "report = 'some'",
     "study=simulate foot.k=[1,2,3]": "foot.k = [1, 2, 3]",
     "study=validate study.cases=[Wheel]": "study.cases = 'Wheel'",
