@@ -106,6 +106,7 @@ def felt(world, soles, poses, hip, slip, stage, before, counts):
     return contact(world, soles, poses, hip, slip, (stage, stage), before, counts)
 
 
+@pytest.mark.slow  # of compiling
 def test_the_force_has_its_analytic_derivative_where_plates_stick_and_where_they_slide(ramp_foot):
     """dF/dv of an implicit stage, against differences; the stage is 1 ms, so that 1 mm/s bends by delta."""
     plates = ramp_foot.plates(40, directed=True)

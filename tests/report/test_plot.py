@@ -95,7 +95,7 @@ def card_of(things):
     return cache(lambda name: Parsed(plot.card(things[name])))
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", ["sand", "gait", "every effect", "walk", "sunk", "table", "one"])
 def test_a_card_has_a_line_and_a_picture_with_words_for_the_blind(card_of, name):
     card = card_of(name)
     assert card.tags.count("img") == 1

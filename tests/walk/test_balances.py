@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import footopt as fo
@@ -79,6 +79,7 @@ def finite_or_infeasible_with_a_reason(foot, scene):
 
 
 class TestRandomScenes:
+    @settings(max_examples=10)
     @given(hard_scenes())
     def test_no_nan_in_any(self, scene):
         finite_or_infeasible_with_a_reason(*scene)

@@ -58,6 +58,7 @@ def operations(compiled, *on):
 
 
 class TestNothingForNothing:
+    @pytest.mark.slow  # of compiling
     def test_the_contact_without_effects_has_the_operations_of_the_law_alone(self):
         (bare, law), (whole, force) = operations(bare_force), operations(whole_force)
         assert whole.total() <= 1.02 * bare.total()  # the compiler orders sums as it likes
