@@ -20,7 +20,7 @@ import footopt as fo
 from footopt.foot import as_plates
 from footopt.walk.contact import foot_force
 from footopt.walk.discretize import sole_of, world
-from footopt.walk.state import Ankle, Implicit, Sole, World
+from footopt.walk.state import Ankle, Implicit, Part, World, plates_between
 
 Array = NDArray[np.float64]
 Sums = Callable[[int], Array]
@@ -43,12 +43,13 @@ def _repeat(out, sole, world, motion, jacobian, repeats, change):
             out[j] += sums[j]
 
 
-def submerged_sole(plates: int) -> tuple[Sole, World]:
+def submerged_sole(plates: int) -> tuple[Part, World]:
     """A random foot's plates, a multiple of `contact.LANES`, and regular sand's law."""
     space = fo.Waypoints()
     feet = as_plates(space.random(1, 5, inside=True), plates, "arc", space)
     sole = sole_of(feet)._replace(span=0.0)  # the C loop smooths no turn
-    return sole, world(fo.Scene(sand=fo.Sand.named("regular")), fo.Accuracy())
+    part: Part = plates_between(sole, None, 0, plates)
+    return part, world(fo.Scene(sand=fo.Sand.named("regular")), fo.Accuracy())
 
 
 def compiled(plates: int, jacobian: bool) -> Sums:

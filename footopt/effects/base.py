@@ -171,6 +171,12 @@ def laws(effects: Sequence[Effect]) -> Laws:
     return Laws(*(tuple(law for law in found if hasattr(law, hook)) or None for hook in HOOKS))
 
 
+def plausible_gates() -> tuple[Any, ...] | None:
+    """The gates of effects that may be true of any walk, with which a search's answer is judged, too."""
+    found = [kind().law for kind in EFFECTS.values() if kind.plausible]
+    return tuple(law for law in found if hasattr(law, "gate")) or None
+
+
 def _over(hook: str, none: Callable[..., Any], join: Callable[..., Any]) -> Callable[..., Any]:
     """A function that goes through a tuple of laws (or None) and joins what their hooks make of two numbers.
 

@@ -98,9 +98,10 @@ def _walk_once(plates: Plates, scene: Scene, accuracy: Accuracy, options: Option
     )
     stepper, designs = STEPPERS[accuracy.stepper], len(plates.x)
     times, pose0, tables = discretize.poses(scene, accuracy)
-    soles = discretize.soles(plates)
+    soles = discretize.soles(plates)._replace(directed=True)
     rows, constants = len(tables[-1]) + 1 if options.traced else 0, discretize.world(scene, accuracy)
-    shape = rows if options.remembers else 1, 2, 2, soles.x.shape[1]
+    constants = discretize.compiled_once(constants)
+    shape = rows if options.remembers else 1, 2, 2, soles.plates.shape[2]
     finest, control = len(tables) - 1, math.inf if accuracy.control is None else accuracy.control
     tables += tables[:1] * (
         discretize.HALVINGS - finest

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.compiled import inlined, inlined_fast, unless_none
-from footopt.walk.contact import bristles_between, direction, in_world, kinematics, plates_between, submerged
-from footopt.walk.state import ankle_of
+from footopt.walk.contact import bristles_between, direction, kinematics, submerged
+from footopt.walk.state import ankle_of, in_world, plates_between
 
 Array = NDArray[np.float64]
 
@@ -60,14 +60,10 @@ def whole_step(bristles):
 
 
 @unless_none
-def first_stage(bristles, share):
-    """The first of two stages; the second begins on its slope, a share of its way from the beginning."""
-    return Stage(bristles.h_n, bristles.h_stage, share)
-
-
-@unless_none
-def second_stage(bristles):
-    """The second of two stages, which ends with the step."""
+def stage_of(bristles, i, share):
+    """Stage i of two: the second begins on the first one's slope, a share of its way from the beginning."""
+    if i == 0:
+        return Stage(bristles.h_n, bristles.h_stage, share)
     return Stage(bristles.h_stage, bristles.h_next, 1.0)
 
 
@@ -102,9 +98,9 @@ def update_bristles(sole, poses, hip, turning_speed, stage):
         first, last = submerged(sole, ankle)
         for i in range(first):
             after[foot, 0, i] = after[foot, 1, i] = 0.0
-        for i in range(last, len(sole.x)):
+        for i in range(last, sole.plates.shape[1]):
             after[foot, 0, i] = after[foot, 1, i] = 0.0
-        part = plates_between(sole, first, last)
+        part = plates_between(sole, None, first, last)
         h0, (hx, hz) = (
             bristles_between(stage.before, foot, first, last),
             bristles_between(after, foot, first, last),

@@ -18,19 +18,19 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from footopt.compiled import inlined, inlined_fast, unless_none
+from footopt.effects import Laws
 from footopt.effects import base as effects
 from footopt.effects.dual import combined, dual, lift, placed, positive, value
 from footopt.walk.state import (
     LANES,
-    Ankle,
     Contact,
     Force,
     Motion,
-    Sole,
-    Tangent,
     ankle_of,
+    in_world,
     no_force,
     no_turning,
+    plates_between,
 )
 
 TURN = 0.25  # of the difference in speed along a turning plate, over which its direction is smoothed
@@ -150,24 +150,24 @@ def lead(tangent, i, motion, nx, nz, h, turning_speed, within, h0, stage):
 
 
 @inlined_fast
-def plate_force(law, acting, sole, i, ankle, turning_speed, stage, h0):
+def plate_force(law, acting, part, i, ankle, turning_speed, stage, h0):
     """The force on plate i of a foot, with the effects of a scene; arguments as in `foot_force`.
 
     zeta load share (a - M h) dA - pressure n dA, and its motion.
     """
-    area = sole.area[i]
-    motion = kinematics(ankle, sole.x[i], sole.z[i])
+    area = part.area[i]
+    motion = kinematics(ankle, part.x[i], part.z[i])
     depth, x = positive(placed(stage, -motion.z, 0.0, -1.0)), placed(stage, motion.x, 1.0, 0.0)
-    within = ankle.rate * sole.span
+    within = ankle.rate * part.span
     h = direction(motion, turning_speed, within, h0, i)
 
-    nx, nz = outward_normal(sole.tangent, i, ankle)
+    nx, nz = outward_normal(part.tangent, i, ankle)
     vn = dual(stage, motion.vx * nx + motion.vz * nz, nx, nz)
-    leads = lead(sole.tangent, i, motion, nx, nz, h, turning_speed, within, h0, stage)
+    leads = lead(part.tangent, i, motion, nx, nz, h, turning_speed, within, h0, stage)
     pull = area * effects.load(acting.loads, depth, x) * effects.gate(acting.gates, leads, depth)
 
     cos2, sin2 = ankle.cos * ankle.cos - ankle.sin * ankle.sin, 2.0 * ankle.sin * ankle.cos
-    c, s = sole.c2[i] * cos2 - sole.s2[i] * sin2, sole.s2[i] * cos2 + sole.c2[i] * sin2
+    c, s = part.c2[i] * cos2 - part.s2[i] * sin2, part.s2[i] * cos2 + part.c2[i] * sin2
     fx, fz = resistance(law, c, s, h, pull, stage)
     if acting.pushes is not None:  # without one nothing is to be computed that could be NaN
         push = area * effects.push(acting.pushes, vn, depth)
@@ -176,7 +176,7 @@ def plate_force(law, acting, sole, i, ankle, turning_speed, stage, h0):
 
 
 @inlined_fast
-def foot_force(law, acting, sole, ankle, turning_speed, stage, h0):
+def foot_force(law, acting, part, ankle, turning_speed, stage, h0):
     """F = sum of f over some plates: the paper's eq. 2, with their power and derivatives.
 
     Parameters
@@ -185,7 +185,7 @@ def foot_force(law, acting, sole, ankle, turning_speed, stage, h0):
         The stress map times zeta, N/m^3.
     acting : Laws
         Of the scene's effects.
-    sole : Sole
+    part : Part
         The plates that are summed.
     ankle : Ankle
         In the world.
@@ -199,8 +199,8 @@ def foot_force(law, acting, sole, ankle, turning_speed, stage, h0):
     Force
     """
     x = z = power = xx = xz = zx = zz = 0.0
-    for i in range(len(sole.x)):
-        f = plate_force(law, acting, sole, i, ankle, turning_speed, stage, h0)
+    for i in range(len(part.x)):
+        f = plate_force(law, acting, part, i, ankle, turning_speed, stage, h0)
         x += value(f.x)
         z += value(f.z)
         power += value(f.x) * f.motion.vx + value(f.z) * f.motion.vz  # eq. 7
@@ -212,10 +212,14 @@ def foot_force(law, acting, sole, ankle, turning_speed, stage, h0):
 
 
 @inlined
-def in_world(ankle, hip):
-    """An ankle in the world, from the ankle relative to the hip, and the hip's motion."""
-    x, z, vx, vz = hip.x + ankle.x, hip.z + ankle.z, hip.vx + ankle.vx, hip.vz + ankle.vz
-    return Ankle(x, z, vx, vz, ankle.cos, ankle.sin, ankle.rate)
+def part_force(world, acting, sole, first, last, ankle, turning_speed, stage, h0):
+    """`foot_force` of the plates first..last of a sole, without the gates where they are shut."""
+    if world.shut:
+        part = plates_between(sole, acting.pushes, first, last)
+        laws = Laws(acting.loads, None, acting.pushes)
+        return foot_force(world.law, laws, part, ankle, turning_speed, stage, h0)
+    part = plates_between(sole, sole.directed, first, last)
+    return foot_force(world.law, acting, part, ankle, turning_speed, stage, h0)
 
 
 @inlined
@@ -224,7 +228,7 @@ def submerged(sole, ankle):
     za, cos, sin = ankle.z, ankle.cos, ankle.sin
     if za > sole.reach:
         return 0, 0
-    first, last = 0, len(sole.block_x)
+    first, last = 0, sole.blocks.shape[1]
     while first < last and za + _lowest(sole, first, cos, sin) >= 0.0:
         first += 1
     while last > first and za + _lowest(sole, last - 1, cos, sin) >= 0.0:
@@ -235,26 +239,9 @@ def submerged(sole, ankle):
 @inlined
 def _lowest(sole, block, cos, sin):
     """Height of the lowest corner of the rectangle around a block of plates, relative to the ankle, m."""
-    middle = sin * sole.block_x[block] + cos * sole.block_z[block]
-    return middle - abs(sin) * sole.block_dx[block] - abs(cos) * sole.block_dz[block]
-
-
-@inlined
-def plates_between(sole, first, last):
-    """A part of a sole.
-
-    Slices, each from 0: an index that could be negative keeps the loop over plates from being vectorised.
-    """
-    return Sole(
-        sole.x[first:last], sole.z[first:last], sole.c2[first:last], sole.s2[first:last],
-        sole.area[first:last], sole.block_x, sole.block_z, sole.block_dx, sole.block_dz, sole.reach,
-        sole.span, _tangent_between(sole.tangent, first, last),
-    )  # fmt: skip
-
-
-@unless_none
-def _tangent_between(tangent, first, last):
-    return Tangent(tangent.x[first:last], tangent.z[first:last], tangent.turn[first:last])
+    b = sole.blocks
+    x, z, dx, dz = b[0, block], b[1, block], b[2, block], b[3, block]
+    return sin * x + cos * z - abs(sin) * dx - abs(cos) * dz
 
 
 @inlined
@@ -293,10 +280,8 @@ def contact(world, sole, poses, hip, turning_speed, stage, h0, counts):
         force = no_force()
         if first < last:
             counts.plates += last - first
-            part, bristles = plates_between(sole, first, last), bristles_between(h0, foot, first, last)
-            force = foot_force(
-                world.law, world.effects, part, ankle, turning_speed, _of_foot(stage, foot), bristles
-            )
+            ahead, bristles = _of_foot(stage, foot), bristles_between(h0, foot, first, last)
+            force = part_force(world, world.effects, sole, first, last, ankle, turning_speed, ahead, bristles)
         left, right = right, force
     return Contact(left, right, no_turning())
 

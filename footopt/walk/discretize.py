@@ -14,7 +14,7 @@ from footopt.foot import Plates
 from footopt.sand.law import PER_CM3, Law
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.scene import Scene, Walker
-from footopt.walk.state import LANES, Sole, Tangent, World, sole_at
+from footopt.walk.state import LANES, Sole, World, sole_at
 from footopt.walk.steppers import STEPPERS
 
 Array = NDArray[np.float64]
@@ -46,6 +46,13 @@ def world(scene: Scene, accuracy: Accuracy) -> World:
         tolerance=NEWTON if length is None else STICKING,
         effects=effects.laws(scene.effects),
     )
+
+
+def compiled_once(world: World) -> World:
+    """A world without gates as one that has them shut: one compiled walk for every plausible law."""
+    if world.effects.gates is not None:
+        return world
+    return world._replace(effects=world.effects._replace(gates=effects.plausible_gates()), shut=True)
 
 
 def time_grid(scene: Scene, accuracy: Accuracy) -> Array:
@@ -129,22 +136,17 @@ def soles(plates: Plates) -> Sole:
     x, z = _padded(plates.x, extra), _padded(plates.z, extra)
     blocks = [column.reshape(len(column), -1, LANES) for column in (x, z)]
     (low_x, low_z), (high_x, high_z) = ([q.min(axis=2) for q in blocks], [q.max(axis=2) for q in blocks])
-    tangent = None
-    if plates.tx is not None and plates.tz is not None and plates.turn is not None:
-        tangent = Tangent(*(_padded(column, extra) for column in (plates.tx, plates.tz, plates.turn)))
+    area = _padded(plates.area, extra, 0.0)
+    columns = [x, z, _padded(plates.c2, extra), _padded(plates.s2, extra), area]
+    tangent = [column for column in (plates.tx, plates.tz, plates.turn) if column is not None]
+    columns += [_padded(column, extra) for column in tangent]
+    middle, half = (0.5 * (low_x + high_x), 0.5 * (low_z + high_z)), (high_x - low_x, high_z - low_z)
     return Sole(
-        x=x,
-        z=z,
-        c2=_padded(plates.c2, extra),
-        s2=_padded(plates.s2, extra),
-        area=_padded(plates.area, extra, 0.0),
-        block_x=0.5 * (low_x + high_x),
-        block_z=0.5 * (low_z + high_z),
-        block_dx=0.5 * (high_x - low_x),
-        block_dz=0.5 * (high_z - low_z),
+        plates=np.stack(columns, axis=1),
+        blocks=np.stack([*middle, *(0.5 * size for size in half)], axis=1),
         reach=np.sqrt(np.max(plates.x**2 + plates.z**2, axis=1)),
         span=np.zeros(len(x)) if plates.span is None else plates.span,
-        tangent=tangent,
+        directed=True if tangent else None,
     )
 
 

@@ -67,22 +67,7 @@ class Output(NamedTuple):
 
 
 def walk_designs(method, soles, world, course, out, begin, end):
-    """Walk the designs begin..end of a population; soles: `Sole` of all designs."""
-    for d in range(begin, end):
-        count = out.counts[d]
-        for column in range(out.raw.shape[1]):
-            out.raw[d, column] = np.nan
-        state, extremes, status = _walk_design(method, sole_at(soles, d), world, course, out, count)
-        if status == OK:
-            if state.hip.x <= 0.0 and extremes.speed > -np.inf:
-                status = BACKWARD
-            write(out.raw[d], raw_of(state, extremes, course.times[-1]))
-        out.status[d] = status
-
-
-@inlined
-def _walk_design(method, sole, world, course, out, count):
-    """One design's last state, its extremes and its status.
+    """Walk the designs begin..end of a population; soles: `Sole` of all designs.
 
     A stage that Newton's method does not solve (`newton.solve_stage`) leaves the step unsolved, which is then
     halved as long as it can be, as one with too large an error is. Then the walk has diverged, and
@@ -90,49 +75,59 @@ def _walk_design(method, sole, world, course, out, count):
     """
     times, control, poses = course.times, course.control, course.poses
     steps, finest = len(times) - 1, course.finest
-    state, extremes = _standing(world, sole, course.start, count), no_extremes()
-    if not state.solved:
-        return state, extremes, SUNK
-    _trace(out, 0, 0.0, state)
-    n = place = 0  # the step n is walked up to place / 2^finest of it
-    level = finest  # it begins to sink: the first steps would be shortened as far
-    while n < steps:
-        stride = 1 << (finest - level)
-        h = (times[n + 1] - times[n]) / (1 << level)
-        index = (n << level) + place // stride
-        new = advance(method, world, sole, borrowed(poses[level])[index], state, h, count)
-        ax0, az0 = acceleration(world, state.contact)
-        ax1, az1 = acceleration(world, new.contact)
-        error = step_error(state.hip.vx, new.hip.vx, ax0, ax1, h)
-        error += step_error(state.hip.vz, new.hip.vz, az0, az1, h)
-        allowed = _allowed(control, extremes, new.contact)
-        if level < finest and not (new.solved and error <= allowed):
-            level += 1
-            count.shortened += 1
-            continue
-        if not new.solved or not abs(new.hip.vx) + abs(new.hip.vz) < FASTEST:
-            return state, extremes, DIVERGED
-        if new.hip.z <= 0.0:
-            return state, extremes, SUNK
-        place += stride
-        row = (n << finest) + place
-        t = times[n] + place / (1 << finest) * (times[n + 1] - times[n])
-        if place == 1 << finest:
-            n, place = n + 1, 0
-            t = times[n]
-        depth = sinkage_of(sole, poses[level][index, -1], new.hip.z) if course.sink else 0.0
-        extremes = updated(extremes, state, new, ax0, ax1, t, h, course.strike, depth)
-        state = new
-        _trace(out, row, t, state)
-        if level > 0 and place % (2 * stride) == 0 and error < LENGTHEN * allowed:
-            level -= 1
-    return state, extremes, OK
+    for d in range(begin, end):
+        sole, count = sole_at(soles, d), out.counts[d]
+        for column in range(out.raw.shape[1]):
+            out.raw[d, column] = np.nan
+        state, extremes = _standing(world, sole, course.start, count), no_extremes()
+        status = OK if state.solved else SUNK
+        if state.solved:
+            _trace(out, 0, 0.0, state)
+        n = place = 0  # the step n is walked up to place / 2^finest of it
+        level = finest  # it begins to sink: the first steps would be shortened as far
+        while status == OK and n < steps:
+            stride = 1 << (finest - level)
+            h = (times[n + 1] - times[n]) / (1 << level)
+            index = (n << level) + place // stride
+            new = advance(method, world, sole, borrowed(poses[level])[index], state, h, count)
+            ax0, az0 = acceleration(world, state.contact)
+            ax1, az1 = acceleration(world, new.contact)
+            error = step_error(state.hip.vx, new.hip.vx, ax0, ax1, h)
+            error += step_error(state.hip.vz, new.hip.vz, az0, az1, h)
+            allowed = _allowed(control, extremes, new.contact)
+            if level < finest and not (new.solved and error <= allowed):
+                level += 1
+                count.shortened += 1
+                continue
+            if not new.solved or not abs(new.hip.vx) + abs(new.hip.vz) < FASTEST:
+                status = DIVERGED
+                break
+            if new.hip.z <= 0.0:
+                status = SUNK
+                break
+            place += stride
+            row = (n << finest) + place
+            t = times[n] + place / (1 << finest) * (times[n + 1] - times[n])
+            if place == 1 << finest:
+                n, place = n + 1, 0
+                t = times[n]
+            depth = sinkage_of(sole, poses[level][index, -1], new.hip) if course.sink else 0.0
+            extremes = updated(extremes, state, new, ax0, ax1, t, h, course.strike, depth)
+            state = new
+            _trace(out, row, t, state)
+            if level > 0 and place % (2 * stride) == 0 and error < LENGTHEN * allowed:
+                level -= 1
+        if status == OK:
+            if state.hip.x <= 0.0 and extremes.speed > -np.inf:
+                status = BACKWARD
+            write(out.raw[d], raw_of(state, extremes, times[-1]))
+        out.status[d] = status
 
 
 @inlined
 def _standing(world, sole, poses, count):
     """The walker at rest where the sand carries it; not solved where it does not."""
-    bristles = bristles_at_start(world.bristle_length, len(sole.x))
+    bristles = bristles_at_start(world.bristle_length, sole.plates.shape[1])
     z = static_height(world, sole, poses, beginning(bristles))
     hip, none = Motion(0.0, z, 0.0, 0.0), Integrals(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     if not np.isfinite(z):

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from footopt.compiled import inlined
-from footopt.walk.state import ankle_of
+from footopt.walk.state import ankle_of, in_world, lowest
 
 
 class Raw(NamedTuple):
@@ -165,15 +165,13 @@ def step_error(v0, v1, a0, a1, h):
 
 
 @inlined
-def sinkage_of(sole, poses, z):
+def sinkage_of(sole, poses, hip):
     """Depth of the lowest plate of both feet below the surface, m; 0 when both are above."""
     depth = 0.0
     for foot in range(2):
-        ankle = ankle_of(poses, foot)
-        za = z + ankle.z
-        if za <= sole.reach:
-            for i in range(len(sole.x)):
-                depth = max(depth, -(za + ankle.sin * sole.x[i] + ankle.cos * sole.z[i]))
+        ankle = in_world(ankle_of(poses, foot), hip)
+        if ankle.z <= sole.reach:
+            depth = max(depth, -lowest(sole, ankle)[1])
     return depth
 
 

@@ -8,8 +8,19 @@ import numpy as np
 
 from footopt.compiled import inlined, unless_none
 from footopt.walk.bristles import update_bristles
-from footopt.walk.contact import Direction, bristles_between, contact, direction, in_world, kinematics
-from footopt.walk.state import Contact, Force, Implicit, Motion, Turning, ankle_of, no_force, no_turning
+from footopt.walk.contact import Direction, bristles_between, contact, direction, kinematics
+from footopt.walk.state import (
+    Contact,
+    Force,
+    Implicit,
+    Motion,
+    Turning,
+    ankle_of,
+    in_world,
+    lowest,
+    no_force,
+    no_turning,
+)
 
 MAX_NEWTON = 100  # contact evaluations of one implicit stage
 PATIENCE = 8  # of them ahead of h without a smaller residual, before Newton's method goes on from the best
@@ -143,22 +154,13 @@ def no_directions():
 
 @inlined
 def _direction_of(world, sole, poses, foot, hip, turning_speed, h0):
-    ankle, i = _deepest(sole, poses, foot, hip)
-    if i < 0:
+    ankle = in_world(ankle_of(poses, foot), hip)
+    i, z = lowest(sole, ankle)
+    if z >= 0.0:
         return Direction(0.0, 0.0, 0.0, 0.0)
-    motion, bristles = kinematics(ankle, sole.x[i], sole.z[i]), bristles_between(h0, foot, 0, len(sole.x))
+    motion = kinematics(ankle, sole.plates[0, i], sole.plates[1, i])
+    bristles = bristles_between(h0, foot, 0, sole.plates.shape[1])
     return direction(motion, turning_speed, ankle.rate * sole.span, bristles, i)
-
-
-@inlined
-def _deepest(sole, poses, foot, hip):
-    """A foot's ankle, and the deepest of its plates; -1 in the air."""
-    ankle, deepest, lowest = in_world(ankle_of(poses, foot), hip), -1, 0.0
-    for i in range(len(sole.x)):
-        z = ankle.z + ankle.sin * sole.x[i] + ankle.cos * sole.z[i]
-        if z < lowest:
-            deepest, lowest = i, z
-    return ankle, deepest
 
 
 @inlined
@@ -207,10 +209,12 @@ def sticking(world, sole, poses, hip, h0, w):
     foot, x, z, square = 0, w.left_x, w.left_z, left
     if left == 0.0 or 0.0 < right < left:
         foot, x, z, square = 1, w.right_x, w.right_z, right
-    ankle, i = _deepest(sole, poses, foot, hip)
-    if i < 0 or square > STICKS * STICKS or h0 is not None:
+    ankle = in_world(ankle_of(poses, foot), hip)
+    i, height = lowest(sole, ankle)
+    if height >= 0.0 or square > STICKS * STICKS or h0 is not None:
         return hip.vx, hip.vz
-    motion, speed = kinematics(ankle, sole.x[i], sole.z[i]), world.creep / np.sqrt(1.0 - square)
+    motion = kinematics(ankle, sole.plates[0, i], sole.plates[1, i])
+    speed = world.creep / np.sqrt(1.0 - square)
     return hip.vx + speed * x - motion.vx, hip.vz + speed * z - motion.vz
 
 
@@ -258,7 +262,9 @@ def converged(world, now, at, turning_speed):
         speed = _least_speed(world.bristle_length, turning_speed) + min(
             _speed(left, force), _speed(right, force)
         )
-    enough = _smooth_step(world.tolerance * speed, turning_speed, world.effects.gates)
+    enough = world.tolerance * speed
+    if not world.shut:
+        enough = _smooth_step(enough, turning_speed, world.effects.gates)
     return size <= rounding or (force > 0.0 and size <= enough + rounding)
 
 

@@ -12,11 +12,11 @@ from footopt.compiled import unless_none
 from footopt.foot import Plates
 from footopt.gait.gait import Pose
 from footopt.walk.accuracy import Accuracy
-from footopt.walk.contact import TURN, in_world, plate_force
+from footopt.walk.contact import TURN, plate_force
 from footopt.walk.discretize import sole_of, world
 from footopt.walk.own_code import compiled_for
 from footopt.walk.scene import Scene
-from footopt.walk.state import Motion, ankle_of
+from footopt.walk.state import Motion, ankle_of, in_world, plates_between
 
 Array = NDArray[np.float64]
 
@@ -75,9 +75,9 @@ def plate_states(
         Directions h that the sand's bristles hold (`bristles.Bristles`), in place of the smoothed velocity's.
     """
     constants, sole, count = world(scene, Accuracy(creep=creep)), sole_of(plates), plates.x.shape[1]
-    h0, hip, out = None, np.column_stack([com, velocity]), np.zeros((*pose.x.shape, len(sole.x), 8))
+    h0, hip, out = None, np.column_stack([com, velocity]), np.zeros((*pose.x.shape, sole.plates.shape[1], 8))
     if bristles is not None:
-        h0 = np.zeros((*pose.x.shape, 2, len(sole.x)))
+        h0 = np.zeros((*pose.x.shape, 2, sole.plates.shape[1]))
         h0[..., :count] = np.moveaxis(bristles, 3, 2)
     turning_speed = creep if h0 is None else np.inf  # m/s: bristles stay as they are
     compiled_for(each_plate, constants.effects.all)(
@@ -95,13 +95,14 @@ def each_plate(
 
     poses: (M, feet, 7). hip: (M, 4), its place and velocity. h0: bristles (M, feet, 2, plates), or None.
     """
+    part = plates_between(sole, sole.directed, 0, sole.plates.shape[1])
     for m in range(len(hip)):
         moving = Motion(hip[m, 0], hip[m, 1], hip[m, 2], hip[m, 3])
         for foot in range(poses.shape[1]):
             ankle = in_world(ankle_of(poses[m], foot), moving)
             bristles = _bristles_at(h0, m, foot)
-            for i in range(len(sole.x)):
-                f = plate_force(world.law, world.effects, sole, i, ankle, turning_speed, None, bristles)
+            for i in range(len(part.x)):
+                f = plate_force(world.law, world.effects, part, i, ankle, turning_speed, None, bristles)
                 row, motion = out[m, foot, i], f.motion
                 row[0], row[1], row[2], row[3] = motion.x, motion.z, motion.vx, motion.vz
                 row[4], row[5], row[6], row[7] = f.x, f.z, f.normal_x, f.normal_z

@@ -6,8 +6,8 @@ import numpy as np
 
 from footopt.compiled import inlined
 from footopt.effects import Laws
-from footopt.walk.contact import bristles_between, foot_force, plates_between, submerged
-from footopt.walk.state import Ankle, ankle_of
+from footopt.walk.contact import bristles_between, part_force, submerged
+from footopt.walk.state import Ankle, ankle_of, lowest
 
 SLOW = 1e-9  # m/s: a turning speed that changes no force of plates that move at 1 m/s
 
@@ -50,9 +50,7 @@ def _touching_height(sole, poses):
     """Hip height at which the lowest plate touches the surface, m."""
     height = -np.inf
     for foot in range(2):
-        ankle = ankle_of(poses, foot)
-        for i in range(len(sole.x)):
-            height = max(height, -(ankle.z + ankle.sin * sole.x[i] + ankle.cos * sole.z[i]))
+        height = max(height, -lowest(sole, ankle_of(poses, foot))[1])
     return height
 
 
@@ -65,8 +63,6 @@ def _limit_force(world, sole, poses, z, h0):
         ankle = Ankle(still.x, z + still.z, 0.0, -1.0, still.cos, still.sin, 0.0)
         first, last = submerged(sole, ankle)
         if first < last:
-            part, bristles = plates_between(sole, first, last), bristles_between(h0, foot, first, last)
-            total += foot_force(
-                world.law, acting, part, ankle, SLOW if h0 is None else np.inf, None, bristles
-            ).z
+            slow, bristles = SLOW if h0 is None else np.inf, bristles_between(h0, foot, first, last)
+            total += part_force(world, acting, sole, first, last, ankle, slow, None, bristles).z
     return total

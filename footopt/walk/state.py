@@ -33,6 +33,7 @@ class World(NamedTuple):
     bristle_length: float | None  # over which a plate's bristles bend, m; None without them
     tolerance: float  # of Newton's method: last step over the plates' mean speed
     effects: Laws
+    shut: bool = False  # whether the gates of `effects` are compiled, and let all of the stress through
 
 
 class Tangent(NamedTuple):
@@ -46,22 +47,27 @@ class Tangent(NamedTuple):
 class Sole(NamedTuple):
     """One design's plates, relative to the ankle (`foot.Plates`); of a batch, each with an axis more.
 
-    Each is (padded plates,): filled up to whole blocks of `LANES` by plates without area in the
-    place of the last one.
+    Plates are filled up to whole blocks of `LANES` by plates without area in the place of the last one. Two
+    tables, not a dozen of arrays: every function that takes them is compiled in half of the time.
     """
+
+    plates: Array  # (rows, padded plates): the arrays of `Part`, with those of the tangent if it has one
+    blocks: Array  # (4, blocks): middle of a rectangle around each block, half its length and height, m
+    reach: Any  # the sole's largest distance from the ankle, m
+    span: Any  # length along the sole for which a plate stands, m; 0 for chords
+    directed: bool | None  # None where no effect needs the plates' normals
+
+
+class Part(NamedTuple):
+    """Plates of a sole that lie beside each other, as the loop over plates takes them."""
 
     x: Array
     z: Array
     c2: Array
     s2: Array
     area: Array
-    block_x: Array  # (blocks,): middle of a rectangle around each block of plates, m
-    block_z: Array
-    block_dx: Array  # half its length and height, m
-    block_dz: Array
-    reach: Any  # the sole's largest distance from the ankle, m
-    span: Any  # length along the sole for which a plate stands, m; 0 for chords
-    tangent: Tangent | None  # where an effect needs the plates' normals
+    span: float
+    tangent: Tangent | None
 
 
 class Ankle(NamedTuple):
@@ -186,27 +192,46 @@ def ankle_of(poses, foot):
 
 
 @inlined
+def in_world(ankle, hip):
+    """An ankle in the world, from the ankle relative to the hip, and the hip's motion."""
+    x, z, vx, vz = hip.x + ankle.x, hip.z + ankle.z, hip.vx + ankle.vx, hip.vz + ankle.vz
+    return Ankle(x, z, vx, vz, ankle.cos, ankle.sin, ankle.rate)
+
+
+@inlined
 def sole_at(soles, design):
     """One design's plates out of a batch's."""
-    return Sole(
-        borrowed(soles.x)[design],
-        borrowed(soles.z)[design],
-        borrowed(soles.c2)[design],
-        borrowed(soles.s2)[design],
-        borrowed(soles.area)[design],
-        borrowed(soles.block_x)[design],
-        borrowed(soles.block_z)[design],
-        borrowed(soles.block_dx)[design],
-        borrowed(soles.block_dz)[design],
-        soles.reach[design],
-        soles.span[design],
-        _tangent_at(soles.tangent, design),
-    )
+    plates, blocks = borrowed(soles.plates)[design], borrowed(soles.blocks)[design]
+    return Sole(plates, blocks, soles.reach[design], soles.span[design], soles.directed)
+
+
+@inlined
+def plates_between(sole, directed, first, last):
+    """A part of a sole; without tangents where `directed` is None.
+
+    Slices, each from 0: an index that could be negative keeps the loop over plates from being vectorised.
+    """
+    rows = sole.plates
+    return Part(
+        rows[0, first:last], rows[1, first:last], rows[2, first:last], rows[3, first:last],
+        rows[4, first:last], sole.span, _tangent_between(directed, rows, first, last),
+    )  # fmt: skip
 
 
 @unless_none
-def _tangent_at(tangent, design):
-    return Tangent(borrowed(tangent.x)[design], borrowed(tangent.z)[design], borrowed(tangent.turn)[design])
+def _tangent_between(directed, rows, first, last):
+    return Tangent(rows[5, first:last], rows[6, first:last], rows[7, first:last])
+
+
+@inlined
+def lowest(sole, ankle):
+    """The lowest plate, and its height above the ground that the ankle is measured from, m."""
+    x, z, plate, height = sole.plates[0], sole.plates[1], 0, np.inf
+    for i in range(len(x)):
+        level = ankle.z + ankle.sin * x[i] + ankle.cos * z[i]
+        if level < height:
+            plate, height = i, level
+    return plate, height
 
 
 @inlined

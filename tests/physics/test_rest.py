@@ -113,7 +113,7 @@ def test_the_force_has_its_analytic_derivative_where_plates_stick_and_where_they
     constants = world(fo.Scene(effects=(fo.Rest(), fo.LeadingEdge())), fo.Accuracy())
     poses = np.zeros((2, 7))
     poses[:, 4], poses[0, 1], poses[1, 1], poses[0, 6] = 1.0, -0.02, 1.0, 1e-3
-    before = np.random.default_rng(2).uniform(-0.6, 0.6, (2, 2, len(sole_of(plates).x)))
+    before = np.random.default_rng(2).uniform(-0.6, 0.6, (2, 2, sole_of(plates).plates.shape[1]))
     stage, counts = Implicit(1e-3, 0.0, 0.0), np.zeros(1, COUNTS)[0]
 
     def left(vx, vz):

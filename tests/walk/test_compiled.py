@@ -9,8 +9,10 @@ from pathlib import Path
 import pytest
 
 import footopt
+import footopt as fo
 from footopt import compiled
-from footopt.walk.own_code import digest_of
+from footopt.walk.loop import walk_designs
+from footopt.walk.own_code import compiled_for, digest_of
 
 
 def test_every_module_that_a_walk_is_compiled_from_is_part_of_its_key():
@@ -29,6 +31,15 @@ def test_every_module_that_a_walk_is_compiled_from_is_part_of_its_key():
     found = {Path(module.__file__) for module in walked} - {house / "errors.py", Path(compiled.__file__)}
     assert house / "sand" / "law.py" in found
     assert found <= keyed, found - keyed
+
+
+def test_one_walk_is_compiled_for_every_plausible_law_of_the_sand():
+    walk, feet = compiled_for(walk_designs, ()), fo.Waypoints().random(2, seed=1)
+    fo.evaluate(feet, fo.Scene(), "draft")
+    compiled_before = walk.signatures
+    for effects in [(fo.LeadingEdge(),), (fo.Shadowing(),), (fo.LeadingEdge(), fo.Shadowing())]:
+        fo.evaluate(feet, fo.Scene(effects=effects), "draft")
+        assert walk.signatures == compiled_before
 
 
 def test_a_source_that_was_changed_has_its_code_elsewhere_in_a_folder_of_the_user_alone(

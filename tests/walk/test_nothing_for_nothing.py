@@ -18,22 +18,22 @@ from footopt.effects import laws
 from footopt.effects.dual import placed, positive
 from footopt.walk.contact import direction, foot_force, kinematics, resistance
 from footopt.walk.discretize import sole_of, world
-from footopt.walk.state import LANES, Ankle, Implicit
+from footopt.walk.state import LANES, Ankle, Implicit, plates_between
 
 #: Floating-point instructions of LLVM, and calls of its mathematical functions.
 OPERATION = re.compile(r"= (?:tail )?(fadd|fsub|fmul|fdiv|fneg|fcmp|select|call[^@]*@llvm\.\w+)\b")
 
 
 @njit(error_model="numpy", fastmath=FAST)
-def bare_force(world, sole, ankle, stage):
+def bare_force(world, part, ankle, stage):
     """The law of one foot as if there were no effects: f = (a - M h) |z| dA, added up."""
     x = z = power = xx = xz = zx = zz = 0.0
     cos2, sin2 = ankle.cos * ankle.cos - ankle.sin * ankle.sin, 2.0 * ankle.sin * ankle.cos
-    for i in range(len(sole.x)):
-        motion = kinematics(ankle, sole.x[i], sole.z[i])
-        h = direction(motion, world.creep, ankle.rate * sole.span, None, i)
-        c, s = sole.c2[i] * cos2 - sole.s2[i] * sin2, sole.s2[i] * cos2 + sole.c2[i] * sin2
-        pull = sole.area[i] * positive(placed(stage, -motion.z, 0.0, -1.0))
+    for i in range(len(part.x)):
+        motion = kinematics(ankle, part.x[i], part.z[i])
+        h = direction(motion, world.creep, ankle.rate * part.span, None, i)
+        c, s = part.c2[i] * cos2 - part.s2[i] * sin2, part.s2[i] * cos2 + part.c2[i] * sin2
+        pull = part.area[i] * positive(placed(stage, -motion.z, 0.0, -1.0))
         fx, fz = resistance(world.law, c, s, h, pull, stage)
         x, z, power = x + fx.value, z + fz.value, power + (fx.value * motion.vx + fz.value * motion.vz)
         xx, xz, zx, zz = xx + fx.dx, xz + fx.dz, zx + fz.dx, zz + fz.dz
@@ -41,8 +41,8 @@ def bare_force(world, sole, ankle, stage):
 
 
 @njit(error_model="numpy", fastmath=FAST)
-def whole_force(world, sole, ankle, stage):
-    return foot_force(world.law, world.effects, sole, ankle, world.creep, stage, None)
+def whole_force(world, part, ankle, stage):
+    return foot_force(world.law, world.effects, part, ankle, world.creep, stage, None)
 
 
 def operations(compiled, *on):
@@ -50,7 +50,9 @@ def operations(compiled, *on):
     scene = fo.Scene(effects=on)
     plates = fo.Foot.from_waypoints([3, 5] * 5 + [3]).plates(64, directed=laws(scene.effects).directed)
     ankle = Ankle(0.1, -0.1, 0.3, -0.2, math.cos(0.1), math.sin(0.1), 0.5)
-    arguments = world(scene, fo.Accuracy()), sole_of(plates), ankle, Implicit(1e-3, 0.0, 0.0)
+    sole = sole_of(plates)
+    part = plates_between(sole, sole.directed, 0, sole.plates.shape[1])
+    arguments = world(scene, fo.Accuracy()), part, ankle, Implicit(1e-3, 0.0, 0.0)
     result = compiled(*arguments)
     *_, text = compiled.inspect_llvm().values()
     assert "fmul" in text

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from footopt.walk.bristles import first_stage, next_step, second_stage, whole_step
+from footopt.walk.bristles import next_step, stage_of, whole_step
 from footopt.walk.newton import solve_stage
 from footopt.walk.state import State, moved
 from footopt.walk.steppers.base import STEPPERS, Stepper, acceleration, accumulate
@@ -37,20 +37,21 @@ class SDIRK2(NamedTuple):
     def step(self, world, sole, poses, state, h, counts):
         """The unknown of a stage is the hip's velocity; its place follows from it."""
         c, r = self.gamma * h, (1.0 - self.gamma) * h
-        start, (ax, az) = state.hip, acceleration(world, state.contact)
-        half, whole = first_stage(state.bristles, r / c), second_stage(state.bristles)
+        start, hip, at, sums, solved = state.hip, state.hip, state.contact, state.integrals, True
+        ax, az = acceleration(world, at)
         gx, gz = start.vx + c * ax, start.vz + c * az
-        one = solve_stage(world, sole, poses[0], start, c, gx, gz, half, state.contact.turning, counts)
-        if not one.solved:
-            return State(start, state.contact, state.integrals, state.bristles, False)
-        sums = accumulate(state.integrals, r, one.hip, one.contact)
-        bx, bz = acceleration(world, one.contact)
-        middle = moved(start, r, one.hip.vx, one.hip.vz, bx, bz)
-        # the guess follows the change of acceleration so far, to the end of the step
-        gx, gz = one.hip.vx + r * (bx + (bx - ax)), one.hip.vz + r * (bz + (bz - az))
-        two = solve_stage(world, sole, poses[1], middle, c, gx, gz, whole, one.contact.turning, counts)
-        sums = accumulate(sums, c, two.hip, two.contact)
-        return State(two.hip, two.contact, sums, next_step(state.bristles), two.solved)
+        for i in range(2):  # one copy of the stage: what is written twice is compiled twice
+            bristles = stage_of(state.bristles, i, r / c)
+            end = solve_stage(world, sole, poses[i], start, c, gx, gz, bristles, at.turning, counts)
+            hip, at, solved = end.hip, end.contact, end.solved
+            if not solved:
+                break
+            sums = accumulate(sums, r if i == 0 else c, hip, at)
+            bx, bz = acceleration(world, at)
+            start = moved(start, r, hip.vx, hip.vz, bx, bz)
+            # the guess follows the change of acceleration so far, to the end of the step
+            gx, gz = hip.vx + r * (bx + (bx - ax)), hip.vz + r * (bz + (bz - az))
+        return State(hip, at, sums, next_step(state.bristles), solved)
 
 
 STEPPERS["implicit_euler"] = Stepper(
