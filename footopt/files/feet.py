@@ -121,13 +121,29 @@ def _write_svg(path: Path, sole: Array, outline: Array) -> None:
 
 def _write_stl(path: Path, outline: Array, width: float) -> None:
     """Write the body of an outline (p, 2), mm, that runs counter-clockwise, as binary STL."""
-    from shapely import Polygon, remove_repeated_points
-    from trimesh.creation import extrude_polygon
+    from shapely import (
+        Polygon,
+        constrained_delaunay_triangles,
+        get_coordinates,
+        orient_polygons,
+        remove_repeated_points,
+    )
 
-    across = np.array([[1, 0, 0, 0], [0, 0, -1, width / 2], [0, 1, 0, 0], [0, 0, 0, 1]], float)
     # of points that single precision makes one, a triangle would have no area
-    kept = remove_repeated_points(Polygon(outline.astype(np.float32)))
-    write_bytes(path, extrude_polygon(kept, width, transform=across).export(file_type="stl"))
+    face = remove_repeated_points(Polygon(outline.astype(np.float32)))
+    clockwise = orient_polygons(constrained_delaunay_triangles(face), exterior_cw=True)
+    caps = get_coordinates(clockwise).reshape(-1, 4, 2)[:, :3]
+    x, z = (column[:, None] for column in get_coordinates(face).T)
+    left, right = (np.hstack([x, np.full_like(x, y), z]) for y in (width / 2, -width / 2))
+    a, b, c, d = left[:-1], left[1:], right[1:], right[:-1]  # corners of the sides
+    ends = [
+        np.insert(corners, 1, y, axis=2) for corners, y in ((caps, width / 2), (caps[:, ::-1], -width / 2))
+    ]
+    triangles = np.concatenate([*ends, np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
+    body = np.zeros(len(triangles), [("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+    normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    body["normal"], body["corners"] = normal / np.linalg.norm(normal, axis=1, keepdims=True), triangles
+    write_bytes(path, bytes(80) + len(body).to_bytes(4, "little") + body.tobytes())
 
 
 def _write_step(path: Path, outline: Array, width: float) -> None:
