@@ -18,8 +18,17 @@ from footopt.design.scenarios import check_measure
 from footopt.effects import EFFECTS
 from footopt.errors import SettingError
 from footopt.studies import build
-from footopt.studies.meanings import ALWAYS, Setting, covers, settings, shown, studies_that_read
-from footopt.studies.settings import AllEffects, everything, leaves, study_kinds
+from footopt.studies.meanings import (
+    ALWAYS,
+    Setting,
+    covers,
+    everything,
+    settings,
+    shown,
+    studies_that_read,
+    study_kinds,
+)
+from footopt.studies.settings import AllEffects, leaves
 from footopt.walk import MEASURES, Walker
 
 HEAD = """# Reference of settings

@@ -35,6 +35,7 @@ from footopt.studies.runs import load as load
 from footopt.studies.runs import load_all as load_all
 from footopt.walk import Accuracy as Accuracy
 from footopt.walk import Scene as Scene
+from footopt.walk import Simulator as Simulator
 from footopt.walk import Table as Table
 from footopt.walk import Tolerance as Tolerance
 from footopt.walk import Walk as Walk

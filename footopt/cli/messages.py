@@ -11,8 +11,7 @@ from yaml import YAMLError
 
 from footopt.cli.compose import groups
 from footopt.errors import FootoptError, SettingError
-from footopt.studies.meanings import studies_that_read
-from footopt.studies.settings import known
+from footopt.studies.meanings import known, studies_that_read
 
 MORE = "`footopt --help` lists all settings."
 

@@ -30,7 +30,7 @@ from footopt.studies.settings import EngineConfig, structured
 
 TRUST, FORCE = "--trust", "--force"
 #: Settings by which a folder could have code run that nobody asked for, and files that a run writes.
-CODE, WRITTEN = ("plugins", "engine.address"), ("study.store", "study.video")
+CODE, WRITTEN = ("plugins", "engine.address", "robot.controller"), ("study.store", "study.video")
 
 
 def execute(settings: Mapping[str, Any], folder: Path, given: Sequence[str], resumed: bool = False) -> Any:

@@ -15,9 +15,10 @@ from footopt.design.fronts import Choice, excess
 from footopt.errors import check, check_kind
 from footopt.foot import Waypoints
 from footopt.walk.accuracy import AnyAccuracy, resolve
-from footopt.walk.objectives import FIVE, MEASURES, Objective, lookup
+from footopt.walk.objectives import FIVE, MEASURES, Objective, lookup, offered
 from footopt.walk.scene import Scene
 from footopt.walk.simulate import evaluate
+from footopt.walk.simulator import Simulator
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -59,8 +60,8 @@ class FootProblem(Problem):
 
     Parameters
     ----------
-    scene : Scene, optional
-        Where the feet walk.
+    scene : Scene or Simulator, optional
+        Where the feet walk: the paper's walk on hard sand by default, or under a robot.
     objective : str or sequence of str
         "efficiency" (the scalar J_W), "pareto" (the paper's five), one objective's name, or several.
     space : Waypoints, optional
@@ -83,7 +84,7 @@ class FootProblem(Problem):
 
     def __init__(
         self,
-        scene: Scene | None = None,
+        scene: Scene | Simulator | None = None,
         objective: str | Sequence[str] = "efficiency",
         space: Waypoints | None = None,
         accuracy: AnyAccuracy | str = "standard",
@@ -92,20 +93,22 @@ class FootProblem(Problem):
         choose: Choice | str = "knee",
     ) -> None:
         self.scene = Scene() if scene is None else scene
-        check_kind(self.scene, Scene, "scene", "Try fo.Scene(sand=...)")
+        check_kind(self.scene, (Scene, Simulator), "scene", "Try fo.Scene(sand=...)")
         self.space = space or Waypoints()
         self.accuracy: AnyAccuracy = resolve(accuracy)
         self.threads = threads
         self.scene.need_heel_strike()
         names = SETS.get(objective, (objective,)) if isinstance(objective, str) else tuple(objective)
-        self.objectives: list[Objective] = lookup(names)
+        self.objectives: list[Objective] = lookup(names, self.scene)
+        known = offered(self.scene)
         self.limits = dict(limits or {})
         for name, limit in self.limits.items():
-            check(name in MEASURES, "constraint", name, f"one of {', '.join(MEASURES)}")
+            check(name in known, "constraint", name, f"one of {', '.join(known)}")
             MEASURES[name].check_limit(f"constraint.{name}", limit)
         self.choice = choose if isinstance(choose, Choice) else Choice(choose)
         self.choice.check_names(self.names)
-        self.record = tuple(dict.fromkeys((*RECORD, *names, *self.limits)))
+        usual = (name for name in RECORD if name in known)
+        self.record = tuple(dict.fromkeys((*usual, *names, *self.limits)))
         n, K = self.space.n, self.space.K
         variables = {f"k{i + 1}": Integer(bounds=(1, K)) for i in range(n)}
         super().__init__(n, len(names), 2 + len(self.limits), xl=1, xu=K, vtype=int, vars=variables)
@@ -117,8 +120,11 @@ class FootProblem(Problem):
 
     @property
     def ranking_objective(self) -> str:
-        """Name of the value that ranks designs: the single objective, or J_W when there are several."""
-        return self.names[0] if len(self.names) == 1 else "efficiency"
+        """Name of the value that ranks designs: the single objective, or J_W when there are several.
+
+        The first one where a simulator has no J_W.
+        """
+        return self.names[0] if len(self.names) == 1 or "efficiency" not in self.record else "efficiency"
 
     @property
     def conditions(self) -> dict[str, Any]:

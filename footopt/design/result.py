@@ -113,7 +113,7 @@ class SearchResult:
     def __repr__(self) -> str:
         best = zip(self.problem.record, self.values[self.best], strict=True)
         values = "; ".join(f"{name} {value:.4g}" for name, value in best)
-        title = f"<SearchResult of {self.solver.name} on {self.problem.scene.sand.name} sand"
+        title = f"<SearchResult of {self.solver.name} on {self.problem.scene.title}"
         return f"{title}: {self.designs} designs; best {self.foot.name}: {values}>"
 
     @property

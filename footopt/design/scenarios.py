@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from itertools import zip_longest
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -107,13 +108,13 @@ COLUMNS = (
 )
 
 
-def sands(scene: Scene) -> tuple[Scenario, ...]:
+def sands(scene: Any) -> tuple[Scenario, ...]:
     """A scene on soft, regular and hard sand."""
     names = ("soft", "regular", "hard")
     return tuple(Scenario(name, replace(scene, sand=Sand.named(name))) for name in names)
 
 
-def plausible_laws(scene: Scene) -> tuple[Scenario, ...]:
+def plausible_laws(scene: Any) -> tuple[Scenario, ...]:
     """A scene under the plain law, and with each and both of the effects that may be true of any walk."""
     plausible: list[Effect] = [kind() for kind in EFFECTS.values() if kind.plausible]
     choices: dict[str, list[Effect]] = {
@@ -125,13 +126,13 @@ def plausible_laws(scene: Scene) -> tuple[Scenario, ...]:
     return tuple(Scenario(name, replace(scene, effects=(*others, *on))) for name, on in choices.items())
 
 
-def harder_and_softer(scene: Scene, spread: float) -> tuple[Scenario, ...]:
+def harder_and_softer(scene: Any, spread: float) -> tuple[Scenario, ...]:
     """A scene on sand with zeta a standard deviation of its logarithm lower, and higher; none without one."""
     factors = (math.exp(-spread), math.exp(spread)) if spread else ()
     return tuple(Scenario(f"zeta x {factor:.2g}", scale_zeta(scene, factor)) for factor in factors)
 
 
-def scale_zeta(scene: Scene, factor: float) -> Scene:
+def scale_zeta(scene: Any, factor: float) -> Any:
     """A scene with `factor` times its zeta."""
     return replace(scene, sand=replace(scene.sand, zeta=scene.sand.zeta * factor))
 

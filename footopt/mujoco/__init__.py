@@ -4,6 +4,8 @@ Needs ``pip install "footopt[mujoco]"``; importing this package does not import 
 """
 
 from footopt.mujoco.attaching import Contact, attach
+from footopt.mujoco.controllers import Commands, Tracker
 from footopt.mujoco.intrusion import Grains
+from footopt.mujoco.robot import Robot
 
-__all__ = ["Contact", "Grains", "attach"]
+__all__ = ["Commands", "Contact", "Grains", "Robot", "Tracker", "attach"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+import threading
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -16,7 +17,7 @@ from footopt.foot import Foot, Plates
 from footopt.mujoco.callback import ATTACHED, MOST, callback, compiled, functions
 from footopt.mujoco.faces import COLUMNS
 from footopt.mujoco.intrusion import Grains, xi_of
-from footopt.mujoco.step import BODY, COUNTED, END, FREEDOM, MEAN, STEP, Workspace
+from footopt.mujoco.step import BODY, COUNTED, END, FREEDOM, MEAN, STEP, TRACED, Workspace
 from footopt.sand import Sand
 from footopt.sand.law import EARTH
 from footopt.walk.accuracy import Accuracy
@@ -27,6 +28,7 @@ Array = NDArray[np.float64]
 
 #: Contacts in use by the address of their MjData: all that the callback reads has to stay where it is.
 _KEPT: dict[int, Contact] = {}
+_LOCK = threading.Lock()
 
 
 class Contact:
@@ -52,6 +54,10 @@ class Contact:
         As in a `Scene`; the sand holds by bristles, whether an effect says over which length or not.
     plates : int, 1
         Of a sole: half of them along each of two lines, where Gauss's rule has them across the width.
+    traced : int
+        How many steps are kept in `trace`, from the first one on.
+    remembers : bool
+        Whether the bristles at their ends are kept, too: `bristles`.
 
     Raises
     ------
@@ -69,6 +75,8 @@ class Contact:
         sand: Sand | Grains,
         effects: Sequence[Effect] = (),
         plates: int = 64,
+        traced: int = 0,
+        remembers: bool = False,
     ) -> None:
         mujoco = needed("mujoco", "footopt.mujoco", "mujoco")
         grains, planar = (sand, sand.sand) if isinstance(sand, Grains) else (Grains(), sand)
@@ -106,22 +114,29 @@ class Contact:
             step, bodies, _freedoms(mujoco, model), model.M_colind[None].astype(np.int64), data.M[None],
             data.xpos, data.xmat.reshape(-1, 9), data.qvel[None], data.qfrc_passive[None],
             np.concatenate(tables)[None], np.zeros((3, 3 * first)), np.zeros((6, n)),
-            np.zeros((n, model.nv)), np.zeros((n // 6, 9)),
+            np.zeros((n, model.nv)), np.zeros((n // 6, 9)), np.full((traced, n), np.nan),
+            np.zeros((traced * remembers, 3 * first)),
         )  # fmt: skip
         self.data, self.names, self._bodies = data, tuple(feet), bodies
         self.acting = found.effects
         self._compiled = compiled(pickle.dumps(self.acting))
         self.addresses = np.array([*((a.ctypes.data, *a.shape, 0)[:3] for a in self._space), functions()])
-        if data._address not in _KEPT and len(_KEPT) == MOST:
-            raise SettingError("data", f"number {MOST + 1}", f"at most {MOST} at once", "Detach one.")
-        _KEPT[data._address] = self
-        _install()
+        _keep(self)
 
     def detach(self) -> None:
         """Take the sand away from this MjData."""
-        if _KEPT.get(self.data._address) is self:
-            del _KEPT[self.data._address]
-            _install()
+        _drop(self)
+
+    @property
+    def trace(self) -> Array:
+        """Steps that were asked for, (steps, bodies, `TRACED`); NaN where there was none yet."""
+        return np.reshape(self._space.trace, (len(self._space.trace), -1, len(TRACED)))
+
+    def bristles(self, name: str) -> Array:
+        """Of the faces of a body, in its own axes, (steps, 3, faces)."""
+        body = self._bodies[self.names.index(name)]
+        part = self._space.history[:, 3 * body["first"] : 3 * body["last"]]
+        return np.reshape(part, (len(part), 3, body["last"] - body["first"]))
 
     @property
     def force(self) -> dict[str, Array]:
@@ -210,11 +225,32 @@ def _freedoms(mujoco: Any, model: Any) -> Any:
     return freedoms
 
 
-def _install() -> None:
-    """Have MuJoCo call the callback while anything is attached."""
+def _keep(contact: Contact) -> None:
+    """Have MuJoCo call the callback for the contact's data; rows of others may be in use meanwhile."""
+    address = contact.data._address
+    with _LOCK:
+        rows = np.flatnonzero(ATTACHED[:, 0] == address)
+        free = rows if len(rows) else np.flatnonzero(ATTACHED[:, 0] == 0)
+        if len(free) == 0:
+            raise SettingError("data", f"number {MOST + 1}", f"at most {MOST} at once", "Detach one.")
+        _KEPT[address] = contact
+        ATTACHED[free[0], 1:] = contact.addresses.ctypes.data, contact._compiled.address
+        ATTACHED[free[0], 0] = address
+        _passive(callback())  # whatever has been set meanwhile
+
+
+def _drop(contact: Contact) -> None:
+    """Undo `_keep`."""
+    address = contact.data._address
+    with _LOCK:
+        if _KEPT.get(address) is contact:
+            del _KEPT[address]
+            ATTACHED[ATTACHED[:, 0] == address, 0] = 0
+            if not _KEPT:
+                _passive(None)
+
+
+def _passive(function: Any) -> None:
     import mujoco
 
-    ATTACHED[:, 0] = 0
-    for row, contact in zip(ATTACHED, _KEPT.values(), strict=False):
-        row[:] = contact.data._address, contact.addresses.ctypes.data, contact._compiled.address
-    mujoco.set_mjcb_passive(callback() if _KEPT else None)
+    mujoco.set_mjcb_passive(function)

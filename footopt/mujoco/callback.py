@@ -83,7 +83,8 @@ def compiled(effects: bytes) -> Any:
         space = Workspace(
             step, bodies, freedoms, columns, _numbers(table, 4), _numbers(table, 5), _numbers(table, 6),
             _numbers(table, 7), _numbers(table, 8), _numbers(table, 9), _numbers(table, 10),
-            _numbers(table, 11), _numbers(table, 12), _numbers(table, 13),
+            _numbers(table, 11), _numbers(table, 12), _numbers(table, 13), _numbers(table, 14),
+            _numbers(table, 15),
         )  # fmt: skip
         call(table[ARRAYS, 0], (model, data, time.ctypes.data, np.int32(1)))  # mjSTATE_TIME
         meaning = steps.meaning_of(step[0], time[0])
@@ -95,6 +96,8 @@ def compiled(effects: bytes) -> Any:
             align(space)
         elif steps.begin(space, meaning):
             solve(space, acting)
+        if meaning != HOLD:
+            steps.leave_trace(space)
         space.passive[0] += product(space.jacobian.T, space.vectors[MEAN])
 
     passive.__qualname__ = f"passive_{hashlib.sha256(effects).hexdigest()[:16]}"  # a file of its own

@@ -61,32 +61,42 @@ def surface_of(body, axes, way):
 
 
 @called_fast
-def solution(mobility, stiffness, c, x):
-    """Solve (1 - c W dF/dV) y = x by elimination with pivots, which takes a quarter of LAPACK's time."""
-    n, a = len(x), np.eye(len(x), len(x) + 1)
-    write(a[:, n], x)
+def solution(mobility, stiffness, c, rest, a, y):
+    """Solve (1 - c W dF/dV) y = c W rest by elimination with pivots, in the room a (n, n + 1).
+
+    That takes a quarter of LAPACK's time, and nothing is allocated: arrays cost as much as what is in them.
+    """
+    n = len(y)
     for i in range(n):
-        for j in range(n):
-            o = j - j % 6  # a wrench follows the twist of its own body
-            for m in range(6):
-                a[i, j] -= c * mobility[i, o + m] * stiffness[o + m, j - o]
+        total = 0.0
+        for first in range(0, n, 6):  # a wrench follows the twist of its own body
+            for j in range(6):
+                a[i, first + j] = 0.0
+                total += mobility[i, first + j] * rest[first + j]
+            for m in range(first, first + 6):
+                share = -c * mobility[i, m]
+                for j in range(6):
+                    a[i, first + j] += share * stiffness[m, j]
+        a[i, i] += 1.0
+        a[i, n] = c * total
     for i in range(n):
         best = i
         for j in range(i + 1, n):
             if abs(a[j, i]) > abs(a[best, i]):
                 best = j
         if best != i:
-            for m in range(n + 1):
+            for m in range(i, n + 1):
                 a[i, m], a[best, m] = a[best, m], a[i, m]
+        inverse = 1.0 / a[i, i]
         for j in range(i + 1, n):
-            factor = a[j, i] / a[i, i]
-            for m in range(n + 1):
+            factor = a[j, i] * inverse
+            for m in range(i, n + 1):
                 a[j, m] -= factor * a[i, m]
     for i in range(n - 1, -1, -1):
+        total = a[i, n]
         for m in range(i + 1, n):
-            a[i, n] -= a[i, m] * a[m, n]
-        a[i, n] /= a[i, i]
-    return a[:, n]
+            total -= a[i, m] * y[m]
+        y[i] = total / a[i, i]
 
 
 @called_fast
@@ -98,13 +108,15 @@ def newton(space, effects, near, mobility, base, v0, v, c, turn, h0, f):
     """
     n, load, meshed = len(v), f.copy(), Laws(effects.loads, None, effects.pushes)
     stiffness, wide, dv, dload = np.zeros((n, 6)), np.ones(n), np.zeros(n), np.zeros(n)
+    way, rest, room = np.zeros(n), np.zeros(n), np.zeros((n, n + 1))
     slope, t, low, high, at_low, at_high = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0  # of a step: 0 before, 1 in full
     for i in range(n):
         wide[i] = space.bodies[near[i // 6]].reach if i % 6 > 2 else 1.0  # makes speeds of twists
     write(v, v0 + c * product(mobility, load))
     for _ in range(MAX_NEWTON):
         space.step[0].evaluations += 1
-        way = base + c * v
+        for i in range(n):
+            way[i] = base[i] + c * v[i]
         for k in range(len(near)):
             body, axes, six = space.bodies[near[k]], space.frame[near[k]], slice(6 * k, 6 * k + 6)
             up, x = (axes[6], axes[7], axes[8]), (axes[0], axes[1], axes[2])
@@ -119,8 +131,10 @@ def newton(space, effects, near, mobility, base, v0, v, c, turn, h0, f):
                 f[6 * k + i] = total[i]
                 for j in range(6):
                     stiffness[6 * k + i, j] = rows[i][j]
-        rest = f - load
-        gain = np.sum(dv * rest)
+        gain = 0.0
+        for i in range(n):
+            rest[i] = f[i] - load[i]
+            gain += dv[i] * rest[i]
         if abs(gain) > 0.5 * slope > 0.0 and high - low > 1e-12 and (gain < 0.0 or t < 1.0):
             if gain < 0.0:
                 high, at_high = t, gain
@@ -128,18 +142,22 @@ def newton(space, effects, near, mobility, base, v0, v, c, turn, h0, f):
                 low, at_low, at_high = t, gain, 0.5 * at_high
             share = low + (high - low) * at_low / (at_low - at_high) - t
         else:
-            dv = solution(mobility, stiffness, c, c * product(mobility, rest))
+            solution(mobility, stiffness, c, rest, room, dv)
+            slope = 0.0
             for i in range(n):
                 dload[i] = rest[i]
                 for j in range(6):
                     dload[i] += stiffness[i, j] * dv[i - i % 6 + j]
-            slope = at_low = np.sum(dv * rest)
+                slope += dv[i] * rest[i]
+            at_low = slope
             share, t, low, high, at_high = 1.0, 0.0, 0.0, 1.0, 0.0
         t += share
-        v += share * dv
-        load += share * dload
-        speed = max(0.1 / turn, np.max(np.abs(wide * v)))
-        if share == 1.0 and np.max(np.abs(wide * dv)) <= TIGHT * speed + 1e-13:
+        speed, change = 0.1 / turn, 0.0
+        for i in range(n):
+            v[i] += share * dv[i]
+            load[i] += share * dload[i]
+            speed, change = max(speed, abs(wide[i] * v[i])), max(change, abs(wide[i] * dv[i]))
+        if share == 1.0 and change <= TIGHT * speed + 1e-13:
             write(f, load)  # forces follow the last change to first order
             return True
     return False

@@ -67,6 +67,11 @@ FREEDOM = np.dtype(
 TWIST, BEFORE, FREE, GAINED, MEAN, END = range(6)
 
 
+#: What a step leaves of each body in `Workspace.trace`: force at its end in the world's axes, N, power, W,
+#: work since the first step, J, and depth at its beginning, m.
+TRACED = ("fx", "fy", "fz", "power", "work", "depth")
+
+
 class Workspace(NamedTuple):
     """All that a step reads and writes: MuJoCo's own arrays, and those of b bodies with p faces."""
 
@@ -84,6 +89,8 @@ class Workspace(NamedTuple):
     vectors: Any  # (6, 6 b): of the bodies' origins in their own axes, linear, then angular; see `TWIST`
     jacobian: Any  # (6 b, nv): of all bodies; `align` turns it
     frame: Any  # (b, 9): as attitude, in the middle of the step
+    trace: Any  # (rows, 6 b): of each step until it is full, of each body `TRACED`
+    history: Any  # (rows, 3 p): bristles at the ends of steps
 
 
 @inlined
@@ -171,3 +178,19 @@ def begin(space, meaning):
         write(space.bristles[0], space.bristles[2])
     vectors[GAINED:] = space.bristles[2] = 0.0
     return np.any(space.bodies.near)
+
+
+@called_fast
+def leave_trace(space):
+    """Write a step into the trace, if there is room."""
+    row = space.step[0].steps
+    if row >= len(space.trace):
+        return
+    for b in range(len(space.bodies)):
+        body, axes, out = space.bodies[b], space.frame[b], space.trace[row, 6 * b : 6 * b + 6]
+        f = space.vectors[END, 6 * b], space.vectors[END, 6 * b + 1], space.vectors[END, 6 * b + 2]
+        for a in range(3):
+            out[a] = dot((axes[3 * a], axes[3 * a + 1], axes[3 * a + 2]), f)
+        out[3], out[4], out[5] = body.power, body.work + body.pending, body.depth
+    if row < len(space.history):
+        write(space.history[row], space.bristles[2])

@@ -124,7 +124,7 @@ def scene_of(walk: Walk, t: Array, speed: float) -> tuple[Any, Callable[[int], N
     heights = [(PAGE - 0.6) * (high - low) / wide, (PAGE - 0.6) * ASPECT]
     figure = new_figure(PAGE, sum(heights) + 0.9)
     whole, near = figure.subplots(2, 1, height_ratios=heights)
-    figure.suptitle(f"{title(walk.foot.name)} on {sand_title(walk.scene.sand)}, {speed:g} × real time")
+    figure.suptitle(f"{title(walk.foot.name)} on {sand_title(walk.world.sand)}, {speed:g} × real time")
 
     def show(i: int) -> None:
         hip = float(stage.body.hip[i, 0])
@@ -138,7 +138,7 @@ def scene_of(walk: Walk, t: Array, speed: float) -> tuple[Any, Callable[[int], N
         draw_key(whole, stage.draw_feet(whole, i, stage.scale), stage.scale * ARROW * high)
         draw_key(near, stage.draw_feet(near, i, largest / LONGEST, close=True), 0.8 * largest)
         for foot, (side, _) in enumerate(SIDES):
-            write(near, side, stage.body.legs[i, foot, 2], (0, 12), ha="center")
+            write(near, side, stage.body.legs[i, foot, -1], (0, 12), ha="center")
         near.set_xlabel("$x$ (m)")
         ended = f", failed: {walk.reason}" if walk.reason and t[i] >= walk.t[-1] else ""
         whole.set_title(f"{t[i]:.2f} s{ended}", loc="right", fontsize=10)

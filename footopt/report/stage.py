@@ -35,7 +35,7 @@ TIMES = "\N{MULTIPLICATION SIGN}"
 class Body(NamedTuple):
     """Both feet, left one first, at M instants."""
 
-    legs: Array  # (M, 2 feet, 3, 2), m: hip, knee, ankle
+    legs: Array  # (M, 2 feet, joints, 2), m: hip, knee, ankle
     sole: Array  # (M, 2 feet, s, 2), m
     outline: Array  # (M, 2 feet, p, 2), m: the sole and the foot's top
 
@@ -62,27 +62,13 @@ class Forces(NamedTuple):
         return Forces((weight * self.at).sum(axis=2, keepdims=True), self.force.sum(axis=2, keepdims=True))
 
 
-def legs(scene: Scene, t: ArrayLike, hip: Array) -> Array:
-    """Hip, knee and ankle of both legs at times t (M,) with the hip at (M, 2): (M, 2 feet, 3, 2), m."""
-    (thigh, _), (shank, _), _ = scene.gait.angles(np.asarray(t, float))
-
-    def segment(length: float, angle: Array) -> Array:  # hangs at an angle from the vertical, + forward
-        return length * np.stack([np.sin(angle), -np.cos(angle)], axis=-1)
-
-    top = np.broadcast_to(hip[:, None], (*thigh.shape, 2))
-    knee = top + segment(scene.walker.l1, thigh)
-    return np.stack([top, knee, knee + segment(scene.walker.l2, shank)], axis=2)
-
-
 def body(walk: Walk, t: ArrayLike) -> Body:
     """A walk's body at times t (M,), linear between its samples."""
-    t = np.asarray(t, float)
-    hip = np.stack([np.interp(t, walk.t, walk.com[:, axis]) for axis in range(2)], axis=-1)
-    joints, pitch, foot = legs(walk.scene, t, hip), walk.scene.gait.angles(t)[2][0], walk.foot
+    joints, pitch, foot = walk.legs(t), walk.pitch(t), walk.foot
     turn = np.array([[np.cos(pitch), np.sin(pitch)], [-np.sin(pitch), np.cos(pitch)]])
     turned = np.moveaxis(turn, (0, 1), (-2, -1))
     outline = closed_contour(foot.contour, max(0.0, foot.contour[:, 1].max() + 0.005))
-    placed = (joints[:, :, 2, None] + (points - foot.ankle) @ turned for points in (foot.contour, outline))
+    placed = (joints[:, :, -1, None] + (points - foot.ankle) @ turned for points in (foot.contour, outline))
     return Body(joints, *placed)
 
 
@@ -123,8 +109,8 @@ def ground(scene: Scene) -> dict[str, list[dict[str, Any]]]:
             text = f"patch {TIMES} {factor:g}" * (top == 0.0)
             strip("patch", begin, end, top, bottom, factor * there, text)
     way = f"{abs(math.degrees(math.atan2(tilt, g))):g}° {'uphill' if tilt < 0 else 'downhill'}"
-    words = [f"g = {scene.walker.g:g} m/s²", way]
-    slope = {"x": tilt / scene.walker.g, "z": -g / scene.walker.g, "words": words}
+    words = [f"g = {scene.g:g} m/s²", way]
+    slope = {"x": tilt / scene.g, "z": -g / scene.g, "words": words}
     return {"strips": strips, "gravity": [slope] if tilt else []}
 
 
@@ -142,7 +128,7 @@ class Stage:
         self.walk, self.t = walk, np.asarray(t, float)
         index = np.minimum(np.searchsorted(walk.t, self.t), len(walk.t) - 1)  # forces are known at samples
         self.body, self.forces = body(walk, self.t), forces_along(walk, index)
-        self.ground = ground(walk.scene)
+        self.ground = ground(walk.world)
 
     @property
     def limits(self) -> tuple[float, float, float, float]:
@@ -235,7 +221,7 @@ def draw_walk(axes: Axes, walk: Walk) -> None:
     if len(walk.t) == 0:
         style.message(axes, f"the walk failed: {walk.reason}, before its first step of time")
         return
-    begin = min(max(walk.scene.gait.start, walk.t[0]), walk.t[-1])
+    begin = min(max(walk.world.gait.start, walk.t[0]), walk.t[-1])
     index = np.unique(np.searchsorted(walk.t, np.linspace(begin, walk.t[-1], POSES)))
     stage = Stage(walk, walk.t[index])
     axes.set(xlim=stage.limits[:2], ylim=stage.limits[2:], aspect="equal")
@@ -248,7 +234,7 @@ def draw_walk(axes: Axes, walk: Walk) -> None:
     axes.plot(*walk.com.T, color="black", lw=0.8, label="path of the COM", zorder=3.5)
     step = f", every {walk.t[index[1]] - walk.t[index[0]]:.2g} s" if len(index) > 1 else ""
     axes.set_title(
-        style.walk_label(f"{title(walk.foot.name)} on {sand_title(walk.scene.sand)}{step}", walk), loc="left"
+        style.walk_label(f"{title(walk.foot.name)} on {sand_title(walk.world.sand)}{step}", walk), loc="left"
     )
 
 

@@ -26,7 +26,7 @@ from footopt.foot import Foot, Waypoints
 from footopt.foot.waypoints import heights_text
 from footopt.report.numbers import change, number, percent, quantity, title
 from footopt.sand.law import EARTH
-from footopt.walk import MEASURES, Scene, gain_shares
+from footopt.walk import MEASURES, Scene, Simulator, gain_shares
 from footopt.walk.validity import Diagnostic
 
 if TYPE_CHECKING:
@@ -138,10 +138,14 @@ def describe_foot(foot: Foot) -> str:
     return ", ".join(parts)
 
 
-def describe_scene(scene: Scene) -> str:
+def describe_scene(scene: Scene | Simulator) -> str:
     """A scene in a few words: its sand, its gravity where it is not the Earth's, and its effects."""
+    if scene.sand is None:
+        return scene.title
     words = [f"{scene.sand.name} sand (zeta {scene.sand.zeta:g})"]
-    if (g := scene.walker.g) != EARTH:
+    if isinstance(scene, Simulator):
+        words.append(scene.body)
+    if abs((g := scene.g) - EARTH) > 1e-9:
         words.append(f"gravity {g:g} m/s^2 (sand {g / EARTH:.3g} times as strong as on the Earth)")
     for effect in scene.effects:
         given = {name: value for name, value in parameters(effect).items() if value is not None}
@@ -171,19 +175,14 @@ def described(kind: type) -> dict[str, tuple[str, str]]:
     return found
 
 
-def describe_setup(scene: Scene, foot: Foot | Waypoints) -> str:
+def describe_setup(scene: Scene | Simulator, foot: Foot | Waypoints) -> str:
     """A walk in two lines: the walker and the gait; the foot or its space, and the sand."""
-    walker, gait = scene.walker, scene.gait
     if isinstance(foot, Waypoints):
         what, length, height = "Soles in a box of", 2.0 * foot.L, foot.H
     else:
         what, (length, height) = f"Sole ({title(foot.name)}) of", np.ptp(foot.contour, axis=0)
     size = " x ".join(f"{round(1e3 * value, 6):.4g}" for value in (length, height, foot.width))
-    return (
-        f"Walker: {walker.mass:g} kg, legs {walker.l1:g} + {walker.l2:g} m, g {walker.g:g} m/s^2; "
-        f"gait {gait.name}, stride {gait.period:.4g} s\n"
-        f"{what} {size} mm (length, height, width) on {describe_scene(scene)}"
-    )
+    return f"{scene.about}\n{what} {size} mm (length, height, width) on {describe_scene(scene)}"
 
 
 def describe_search(result: SearchResult) -> str:

@@ -9,12 +9,14 @@ from typing import Any, get_type_hints
 from footopt.design import RobustProblem
 from footopt.foot import Foot, Waypoints
 from footopt.studies.settings import GROUP_OPTIONS, STUDIES, SpreadConfig, StudySettings, default, setting
+from footopt.walk.accuracy import FINER
 
 __all__ = ["STUDIES", "StudySettings"]
 
 #: Settings, and groups of them, that studies read.
 WORLD = ("gait", "walker", "effects", "scene")
 SCENE = (*WORLD, "sand")
+ROBOT = ("simulator", "robot")
 SPACE = tuple(f"foot.{field.name}" for field in fields(Waypoints))
 WORN = tuple(name for name in SPACE if name.partition(".")[2] in get_type_hints(Foot))  # of any foot
 SHAPE = ("foot.length", "foot.apex", "foot.upright")
@@ -29,7 +31,7 @@ class SearchSettings(StudySettings):
     """Settings of studies that search: they keep what they evaluate, and go on where they stopped."""
 
     confirm: str | None = setting(
-        "fine", "Accuracy at which finalists are walked again; null: the search's, under no other law."
+        FINER, "Preset at which finalists are walked again: finer, the next; null: none, and no other law."
     )
     finalists: int = setting(20, "How many of the best are walked again, and by other laws; a front whole.")
     store: str | None = setting(None, "File of designs that runs may share; null: one in the folder.")
@@ -49,7 +51,7 @@ class Optimize(SearchSettings):
         None, "Heights of the sole that a search begins with, or of several in a row."
     )
     video: str | None = setting(None, VIDEO)
-    reads = (*SearchSettings.reads, "choose", "foot.block")
+    reads = (*SearchSettings.reads, *ROBOT, "choose", "foot.block")
 
 
 @dataclass
@@ -59,7 +61,7 @@ class Simulate(StudySettings):
     name: str = "simulate"
     run: str | None = setting(None, "Folder of the run whose foot is meant, in whose world it walks.")
     video: str | None = setting(None, VIDEO)
-    reads = (*SCENE, "foot", "accuracy", "objective.names")
+    reads = (*SCENE, *ROBOT, "foot", "accuracy", "objective.names")
 
 
 @dataclass

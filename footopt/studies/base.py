@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 import os
 import shlex
 import time
@@ -29,10 +30,10 @@ from footopt.foot import Foot, Waypoints
 from footopt.report import terminal
 from footopt.report.numbers import percent
 from footopt.report.progress import Step, progress
-from footopt.studies.build import make_accuracy, make_foot, make_scene, make_space
+from footopt.studies.build import make_accuracy, make_foot, make_scene, make_simulator, make_space
 from footopt.studies.settings import REPORTS, Config
-from footopt.walk import MEASURES, Accuracy, Scene
-from footopt.walk.accuracy import AnyAccuracy, resolve
+from footopt.walk import MEASURES, Accuracy, Scene, Simulator
+from footopt.walk.accuracy import AnyAccuracy, confirming
 from footopt.walk.ladder import ladder, numerics
 
 
@@ -83,6 +84,11 @@ class Study:
         return make_scene(self.config)
 
     @cached_property
+    def simulator(self) -> Scene | Simulator:
+        """What walks by the settings: the scene, or a robot."""
+        return make_simulator(self.config)
+
+    @cached_property
     def accuracy(self) -> AnyAccuracy:
         """The accuracy of the settings."""
         return make_accuracy(self.config.accuracy)
@@ -90,7 +96,8 @@ class Study:
     @cached_property
     def finer_accuracy(self) -> AnyAccuracy:
         """The accuracy that what a search found is walked again at: study.confirm, or the search's own."""
-        return resolve(self.options.confirm, "study.confirm") if self.options.confirm else self.accuracy
+        confirm = self.options.confirm
+        return confirming(confirm, self.accuracy) if confirm else self.accuracy
 
     @cached_property
     def space(self) -> Waypoints:
@@ -248,44 +255,35 @@ def foot_entry(foot: Foot) -> dict[str, Any]:
     }
 
 
-def accuracy_entry(accuracy: AnyAccuracy, scene: Scene, sole: Foot | Waypoints) -> dict[str, Any]:
+def accuracy_entry(accuracy: AnyAccuracy, scene: Scene | Simulator, sole: Foot | Waypoints) -> dict[str, Any]:
     """An accuracy in result.json as a sole, or all soles of a space, walk through a scene."""
     return dataclasses.asdict(numerics(accuracy, scene, sole))
 
 
-def describe_ladder(accuracy: AnyAccuracy, scene: Scene, sole: Foot | Waypoints) -> list[str]:
+def describe_ladder(accuracy: AnyAccuracy, scene: Scene | Simulator, sole: Foot | Waypoints) -> list[str]:
     """A tolerance in words: its numbers, and what finding them cost; nothing of numbers by hand."""
     if isinstance(accuracy, Accuracy):
         return []
     numbers, found = ladder(accuracy, scene, sole)
+    walks = found.price / found.work
     return [
         f"Errors within {percent(accuracy.error)} take {numbers.plates} plates and steps of "
-        f"{1e3 * numbers.dt:.3g} ms at most, found in the time of {found.price / found.work:.0f} walks"
-    ]
+        f"{1e3 * numbers.dt:.3g} ms at most, found in the time of {walks:.0f} walks"
+    ] * math.isfinite(walks)
 
 
-def scene_entry(scene: Scene, accuracy: Accuracy, names: Sequence[str]) -> dict[str, Any]:
+def scene_entry(scene: Scene | Simulator, accuracy: Accuracy, names: Sequence[str]) -> dict[str, Any]:
     """A scene, its accuracy and the units and senses of the objectives in result.json."""
+    sand = None if scene.sand is None else {
+        "name": scene.sand.name,
+        "zeta": scene.sand.zeta,
+        "coefficients_N_cm3": dataclasses.asdict(scene.sand.stress_map),
+        "fit_error": scene.sand.fit_error,
+    }  # fmt: skip
+    effects = {name_of(e): parameters(e) for e in scene.effects}
     return {
         "units": {name: MEASURES[name].unit for name in names},
         "maximise": {name: MEASURES[name].maximise for name in names},
-        "scene": {
-            "sand": {
-                "name": scene.sand.name,
-                "zeta": scene.sand.zeta,
-                "coefficients_N_cm3": dataclasses.asdict(scene.sand.stress_map),
-                "fit_error": scene.sand.fit_error,
-            },
-            "gait": {
-                "name": scene.gait.name,
-                "period_s": scene.gait.period,
-                "pitch": scene.gait.pitch,
-                "source": scene.gait.source,
-                "fit_residual_deg": dict(scene.gait.residual),
-            },
-            "walker": dataclasses.asdict(scene.walker),
-            "t_f_s": scene.duration,
-            "effects": {name_of(e): parameters(e) for e in scene.effects},
-        },
+        "scene": {"sand": sand, **scene.entry(), "effects": effects},
         "accuracy": dataclasses.asdict(accuracy),
     }

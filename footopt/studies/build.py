@@ -16,12 +16,15 @@ from footopt.design import Choice, FootProblem, Spread
 from footopt.effects import EFFECTS, Effect
 from footopt.errors import SettingError, check
 from footopt.files import identity
+from footopt.files.controllers import read_controller
 from footopt.files.gaits import read_gait, read_strides
 from footopt.files.sands import read_sand
 from footopt.files.soles import read_foot
 from footopt.files.strides import Strides
 from footopt.foot import SHAPES, Foot, Waypoints
 from footopt.gait import Gait
+from footopt.mujoco.controllers import Tracker
+from footopt.mujoco.robot import Robot
 from footopt.sand import GENERIC, MEDIA, Sand, StressMap
 from footopt.studies import SCENE
 from footopt.studies.settings import (
@@ -33,12 +36,12 @@ from footopt.studies.settings import (
     GaitConfig,
     SandConfig,
 )
-from footopt.walk import Accuracy, Scene, Walker
-from footopt.walk.accuracy import PRESETS, AnyAccuracy, Tolerance
+from footopt.walk import Accuracy, Scene, Simulator, Walker
+from footopt.walk.accuracy import PRESETS, AnyAccuracy, Tolerance, confirming
 
 #: Settings that name files or folders to read.
-PATHS = ("foot.path", "gait.path", "sand.table", "study.store", "study.run", "study.runs",
-         "study.tests", "plugins")  # fmt: skip
+PATHS = ("foot.path", "gait.path", "robot.controller", "robot.model", "sand.table", "study.store",
+         "study.run", "study.runs", "study.tests", "plugins")  # fmt: skip
 
 
 def absolute(settings: Mapping[str, Any]) -> dict[str, Any]:
@@ -65,8 +68,9 @@ def in_world_of_run(
     """
     run = identity.read(Path(settings["study"]["run"]).expanduser(), "run").settings
     world = {name: run[name] for name in (*SCENE, "accuracy")}
-    if run["study"].get("confirm"):
-        world["accuracy"] = dict.fromkeys(run["accuracy"]) | {"name": run["study"]["confirm"]}
+    if confirm := run["study"].get("confirm"):
+        finer = confirming(confirm, make_accuracy(AccuracyConfig(**run["accuracy"])))
+        world["accuracy"] = dict.fromkeys(run["accuracy"]) | {"name": finer.name}
     own = {name: settings["foot"][name] for name in ("k", "block")}
     found = OmegaConf.create({**settings, **world, "foot": run["foot"] | own})
     named = (SETTING_OF_GROUP.get(name, name) for name in given)
@@ -232,6 +236,24 @@ def make_scene(config: Config) -> Scene:
     )
 
 
+def make_simulator(config: Config) -> Scene | Simulator:
+    """What walks by the settings: the paper's walker in a scene, or a robot."""
+    name, names = config.simulator.name, ("walker", "biped", "robot")
+    check(name in names, "simulator.name", name, f"one of {', '.join(names)}")
+    if name == "walker":
+        return make_scene(config)
+    given = {key: value for key, value in vars(config.robot).items() if value is not None}
+    own, joints, table = name == "robot", given.pop("joints", None), given.pop("controller", None)
+    check(own == ("model" in given), "robot.model", config.robot.model, "a file, with simulator=robot")
+    hint = "From Python it may have any number."
+    check(len(config.robot.feet) == 2, "robot.feet", config.robot.feet, "two bodies", hint)
+    check(joints is None or isinstance(joints, dict), "robot.joints", joints, "{left_hip: left hip}")
+    tracked = () if joints is None else (joints,)
+    controller = read_controller(table) if table else Tracker(make_gait(config.gait), *tracked)
+    sand, effects = make_sand(config.sand), make_effects(config.effects)
+    return Robot(controller=controller, sand=sand, effects=effects, **given)
+
+
 def make_limits(config: Config) -> dict[str, float]:
     """The limits of the settings, by the measures' names."""
     given = {name: limit for name, limit in vars(config.constraint).items() if name != "own"}
@@ -253,7 +275,7 @@ def make_choice(config: Config) -> Choice:
     return choice
 
 
-def make_problem(config: Config, scene: Scene) -> FootProblem:
+def make_problem(config: Config, scene: Scene | Simulator) -> FootProblem:
     """The problem of study=optimize."""
     return FootProblem(
         scene,

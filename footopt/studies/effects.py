@@ -22,7 +22,7 @@ from footopt.report.numbers import percent
 from footopt.studies.base import Study, accuracy_entry, scene_entry
 from footopt.studies.build import make_scene
 from footopt.studies.settings import Config
-from footopt.walk import FIVE, Scene, evaluate
+from footopt.walk import FIVE, Scene, Simulator, evaluate
 from footopt.walk.accuracy import TOLERANCES, AnyAccuracy
 from footopt.walk.ladder import numerics
 from footopt.walk.objectives import relative_change
@@ -201,8 +201,8 @@ def tolerance(config: Config) -> float:
     return config.accuracy.tolerance or TOLERANCES.get(config.accuracy.name, TOLERANCE)
 
 
-def choose_effects(study: Study, foot: Foot | None = None) -> tuple[Scene, dict[str, Any]]:
-    """The scene of a study with the effects that `effects=auto` chooses.
+def choose_effects(study: Study, foot: Foot | None = None) -> tuple[Scene | Simulator, dict[str, Any]]:
+    """The scene of a study with the effects that `effects=auto` chooses, or its robot.
 
     Effects from the literature are audited one after the other, each in the scene with those before it that
     matter: inertia acts on faces that lead.
@@ -223,7 +223,7 @@ def choose_effects(study: Study, foot: Foot | None = None) -> tuple[Scene, dict[
     """
     config, space = study.config, study.space
     if not config.effects.auto:
-        return study.scene, {"effects_audit": []}
+        return study.simulator, {"effects_audit": []}
     scene = make_scene(replace(config, effects=replace(config.effects, auto=False)))
     feet: Any = [foot] if foot else space.random(RANDOM_FEET, seed=study.seed, inside=True)
     limit, audits = tolerance(config), list[Audit]()

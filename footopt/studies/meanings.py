@@ -9,12 +9,21 @@ from dataclasses import fields, is_dataclass, replace
 from typing import Any, NamedTuple
 
 from footopt.design import EXHAUSTIVE, Spread
+from footopt.effects import EFFECTS
 from footopt.errors import SettingError, check
 from footopt.foot import SHAPES
 from footopt.report.terminal import described
 from footopt.studies import BUILT_IN, OUTLINE, SPACE, WORN, SearchSettings
 from footopt.studies.build import load_plugins, make_limits
-from footopt.studies.settings import SETTING_OF_GROUP, STUDIES, Config, OwnSettings, known, leaves
+from footopt.studies.settings import (
+    SETTING_OF_GROUP,
+    STUDIES,
+    AllEffects,
+    Config,
+    OwnSettings,
+    StudySettings,
+    leaves,
+)
 from footopt.walk import MEASURES
 
 GROUPS = tuple(field.name for field in fields(Config))
@@ -46,6 +55,11 @@ ONLY: tuple[tuple[tuple[str, ...], str, Callable[[Config], bool]], ...] = (
     (OUTLINE, *_of("outline")),
     (("foot.shape", *WORN), "study=simulate without run", lambda c: not _of_run(c)),
     (("gait.names", "gait.side", "gait.window"), "gait=file gait.path=walk.mot", lambda c: bool(c.gait.path)),
+    (("robot",), "simulator=robot, biped", lambda c: c.simulator.name != "walker"),
+    (("walker", "scene", "effects.auto"), "simulator=walker", lambda c: c.simulator.name == "walker"),
+    (("gait",), "a robot without robot.controller",
+     lambda c: c.simulator.name == "walker" or not c.robot.controller),
+    (("robot.joints",), "a robot without robot.controller", lambda c: not c.robot.controller),
     (("effects.tolerance",), "effects=auto", lambda c: c.effects.auto or c.study.name == "effects"),
     (("engine.timeout",), "engine=dask", lambda c: c.engine.name == "dask"),
     (("choose",), "objective=pareto, or a list of several", lambda c: len(c.objective.names) > 1),
@@ -60,6 +74,27 @@ ONLY: tuple[tuple[tuple[str, ...], str, Callable[[Config], bool]], ...] = (
     (("sand",), "study.scenarios=drawn, laws",
      lambda c: c.study.name != "robust" or c.study.scenarios != "sands"),
 )  # fmt: skip
+
+
+def everything() -> Config:
+    """The default settings, with those of all effects."""
+    effects = {each.name: EFFECTS[each.name]() for each in fields(AllEffects) if each.name in EFFECTS}
+    return Config(effects=AllEffects(**effects))
+
+
+def study_kinds() -> list[type[StudySettings]]:
+    """The settings of all studies, a class each."""
+    return [StudySettings, OwnSettings, *(kind for kind, _ in STUDIES.values())]
+
+
+def known() -> dict[str, Any]:
+    """All settings by their full names, with their defaults: those of every effect and every study."""
+    study = [each for kind in study_kinds() for each in leaves(kind(), "study.")]
+    found: dict[str, Any] = {}
+    for setting in leaves(everything()):
+        for each in study if setting.name == "study.name" else [setting]:
+            found.setdefault(each.name, each)
+    return found
 
 
 def within(name: str, names: Collection[str]) -> bool:

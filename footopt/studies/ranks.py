@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from footopt.design import FootProblem
 from footopt.design.scenarios import Scenario, harder_and_softer, plausible_laws
 from footopt.report.numbers import percent
-from footopt.walk import Scene, evaluate
+from footopt.walk import Scene, Simulator, evaluate
 from footopt.walk.ladder import numerics
 from footopt.walk.objectives import relative_change
 
@@ -32,8 +32,13 @@ class RankChange(NamedTuple):
     change: dict[str, float]  # relative, from the flat sole to the best design; NaN where one of them failed
 
 
-def alternative_laws(scene: Scene, spread: float) -> list[Scenario]:
-    """A scene under the laws that may be true instead of its own, and with zeta a standard deviation off."""
+def alternative_laws(scene: Scene | Simulator, spread: float) -> list[Scenario]:
+    """A scene under the laws that may be true instead of its own, and with zeta a standard deviation off.
+
+    None of one without sand.
+    """
+    if scene.sand is None:
+        return []
     return [*(s for s in plausible_laws(scene) if s.scene != scene), *harder_and_softer(scene, spread)]
 
 

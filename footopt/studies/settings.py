@@ -20,6 +20,7 @@ from footopt.effects import EFFECTS
 from footopt.files.soles import read_foot
 from footopt.foot import SHAPES, Foot, Waypoints, shapes
 from footopt.gait import Gait
+from footopt.mujoco.robot import Robot
 from footopt.sand import MEDIA, Sand, StressMap
 from footopt.walk import MEASURES, PRESETS, Accuracy, Walker
 
@@ -198,6 +199,29 @@ class SceneConfig:
 
 
 @dataclass
+class SimulatorConfig:
+    """What walks: the paper's walker, whose legs are massless, or a robot in MuJoCo."""
+
+    name: str = setting("walker", "walker; biped, a robot of 60 kg; or robot, your own.")
+
+
+@dataclass
+class RobotConfig:
+    """A robot in MuJoCo, with simulator=robot."""
+
+    model: str | None = setting(None, "File of MJCF or URDF; null: that of simulator=biped.")
+    feet: list[str] = setting(default(Robot, "feet"), Robot)
+    controller: str | None = setting(None, "FILE.py:FUNCTION, or a CSV; null: servos track the gait.")
+    joints: Any = setting(None, "That track it: {JOINT: left hip, OTHER: -right knee}; null: left_hip ...")
+    duration: float | None = setting(None, Robot)
+    after: float | None = setting(None, Robot)
+    key: str | None = setting(None, Robot)
+    lowest: float = setting(default(Robot, "lowest"), Robot)
+    tilt: float = setting(default(Robot, "tilt"), Robot)
+    plates: int = setting(default(Robot, "plates"), Robot)
+
+
+@dataclass
 class AccuracyConfig:
     """How finely it is simulated: a preset, the cheapest within a tolerance, or parts of it by hand."""
 
@@ -269,6 +293,8 @@ class Config:
     walker: WalkerConfig = field(default_factory=WalkerConfig)
     effects: EffectsConfig = field(default_factory=AllEffects)
     scene: SceneConfig = field(default_factory=SceneConfig)
+    simulator: SimulatorConfig = field(default_factory=SimulatorConfig)
+    robot: RobotConfig = field(default_factory=RobotConfig)
     accuracy: AccuracyConfig = field(default_factory=AccuracyConfig)
     objective: ObjectiveConfig = field(default_factory=ObjectiveConfig)
     choose: ChooseConfig = field(default_factory=ChooseConfig)
@@ -278,27 +304,6 @@ class Config:
     )
     solver: SolverConfig = field(default_factory=SolverConfig)
     engine: EngineConfig = field(default_factory=EngineConfig)
-
-
-def everything() -> Config:
-    """The default settings, with those of all effects."""
-    effects = {each.name: EFFECTS[each.name]() for each in fields(AllEffects) if each.name in EFFECTS}
-    return Config(effects=AllEffects(**effects))
-
-
-def study_kinds() -> list[type[StudySettings]]:
-    """The settings of all studies, a class each."""
-    return [StudySettings, OwnSettings, *(kind for kind, _ in STUDIES.values())]
-
-
-def known() -> dict[str, Leaf]:
-    """All settings by their full names, with their defaults: those of every effect and every study."""
-    study = [each for kind in study_kinds() for each in leaves(kind(), "study.")]
-    found: dict[str, Leaf] = {}
-    for setting in leaves(everything()):
-        for each in study if setting.name == "study.name" else [setting]:
-            found.setdefault(each.name, each)
-    return found
 
 
 def structured(settings: Mapping[str, Any]) -> Any:
@@ -320,16 +325,21 @@ GROUP_OPTIONS: dict[str, dict[str, Any]] = {
     "sand": {name: {"name": name, "zeta": zeta} for name, zeta in MEDIA.items()},
     "foot": {name: {"shape": name} for name in SHAPES},
     "effects": {name: {name: {}} for name in EFFECTS},
-    "accuracy": {name: {"name": name} for name in (*PRESETS, "custom")},
+    "accuracy": {name: {"name": name} for name in (*PRESETS, "custom")} | {"coarse": {"tolerance": 0.05}},
     "objective": {name: {"names": list(names)} for name, names in SETS.items()},
     "choose": {name: {"name": name} for name in FRONT_RULES},
     "solver": {name: {"name": name} for name in (AUTO, *SOLVERS) if name not in SEVERAL},
+    "simulator": {"walker": {"name": "walker"}},
     "study": {"own": OwnSettings},
 }
 
+#: Of robots, whose walks cost hundreds of times those of the walker.
+OF_ROBOTS = {"defaults": [{"override /accuracy": "coarse"}], "solver": {"walks": 1000}}
+
 #: Choices that change another group, too: a solver for several objectives searches the paper's five.
 GLOBAL_OPTIONS: dict[str, dict[str, dict[str, Any]]] = {
+    "simulator": {name: {"simulator": {"name": name}, **OF_ROBOTS} for name in ("biped", "robot")},
     "solver": {
         name: {"defaults": [{"override /objective": "pareto"}], "solver": {"name": name}} for name in SEVERAL
-    }
+    },
 }

@@ -19,7 +19,7 @@ from footopt.studies.build import make_space, make_strides
 from footopt.studies.effects import choose_effects
 from footopt.studies.runs import foot_of
 from footopt.studies.validation.model import model_error
-from footopt.walk import OBJECTIVES, Walk, simulate
+from footopt.walk import Walk, simulate
 from footopt.walk.phases import stance
 from footopt.walk.resolution import error_of, resolution
 from footopt.walk.validity import Diagnostic, diagnose
@@ -36,7 +36,7 @@ def run(study: Study) -> Any:
         walk = simulate(foot, scene, accuracy)
         level = Foot.flat(foot.space or make_space(study.config.foot))
         flat = walk if level == foot else simulate(level, scene, accuracy)
-    names = tuple(dict.fromkeys((*OBJECTIVES, *study.config.objective.names)))
+    names = tuple(dict.fromkeys((*walk.objectives, *study.config.objective.names)))
     entry, diagnostics = judged(study, walk, flat, names, chosen)
     values, base = entry["objectives"], entry["flat"]
     strides = make_strides(study.config.gait)
@@ -44,7 +44,7 @@ def run(study: Study) -> Any:
     if strides is not None and study.wants_figures:
         from footopt.report.figures.gait import gait_fit
 
-        study.save("gait", gait_fit(strides, scene.gait))
+        study.save("gait", gait_fit(strides, walk.world.gait))
     notes = [*foot.notes, *write_walk(study, walk, {title(foot.name): walk}), *_undefined(walk, values)]
     record = study.write_result(
         {
@@ -64,7 +64,7 @@ def run(study: Study) -> Any:
 
     study.say(terminal.describe_foot(foot))
     if strides is not None:
-        misfit = ", ".join(f"{joint} {rms:.2f}" for joint, rms in scene.gait.residual)
+        misfit = ", ".join(f"{joint} {rms:.2f}" for joint, rms in walk.world.gait.residual)
         study.say(f"Gait from {study.config.gait.path}: {'; '.join(read)}. Misfit (rms, deg): {misfit}")
     if not walk.feasible:
         study.say(Text(f"The walk failed: {walk.reason} after {len(walk.t)} steps of time.", style="yellow"))
@@ -82,8 +82,11 @@ def _undefined(walk: Walk, values: Mapping[str, float]) -> list[str]:
     names = [name.replace("_", " ") for name, value in values.items() if not math.isfinite(value)]
     if not (walk.feasible and names):
         return []
-    strikes = walk.scene.duration > walk.scene.gait.heel_strike
-    why = "a number is beyond what can be computed" if strikes else "there is no heel strike in this walk"
+    why = (
+        "a number is beyond what can be computed"
+        if len(walk.scene.strikes)
+        else "there is no heel strike in this walk"
+    )
     return [f"There is no value of {', '.join(names)}: {why}."]
 
 

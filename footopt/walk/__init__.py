@@ -6,6 +6,7 @@ from footopt.walk.resolution import estimate_error
 from footopt.walk.results import Table, Walk
 from footopt.walk.scene import Scene, Walker
 from footopt.walk.simulate import evaluate, simulate
+from footopt.walk.simulator import Simulator
 from footopt.walk.steppers import STEPPERS
 from footopt.walk.validity import Diagnostic, diagnose
 
@@ -18,6 +19,7 @@ __all__ = [
     "Accuracy",
     "Diagnostic",
     "Scene",
+    "Simulator",
     "Table",
     "Tolerance",
     "Walk",

@@ -165,6 +165,8 @@ PRESETS: dict[str, Tolerance] = {
     "reference": Tolerance(0.0005, "reference", refinements=2),
 }
 
+FINER = "finer"
+
 #: Tolerances of the presets that promise one.
 TOLERANCES = {name: preset.error for name, preset in PRESETS.items() if not preset.refinements}
 
@@ -178,3 +180,14 @@ def resolve(accuracy: AnyAccuracy | str, setting: str = "accuracy") -> AnyAccura
     kinds = "an Accuracy, a Tolerance, or a preset's name"
     check(isinstance(accuracy, (Accuracy, Tolerance)), "accuracy", accuracy, kinds, 'Try "standard"')
     return accuracy
+
+
+def confirming(name: str, accuracy: AnyAccuracy) -> AnyAccuracy:
+    """The accuracy at which finalists are walked again: a preset's name, or `FINER`.
+
+    Finer is the preset with the next smaller tolerance, and "fine" for numbers by hand.
+    """
+    if name != FINER:
+        return resolve(name, "study.confirm")
+    finer = [p for p in PRESETS.values() if isinstance(accuracy, Tolerance) and p.error < accuracy.error]
+    return max(finer, key=lambda preset: preset.error, default=PRESETS["fine"])

@@ -28,7 +28,8 @@ def energy_gap(walk: Walk) -> float:
     x, z = (walk.com[-1] - walk.start).tolist()
     potential = float(walker.mass * (g * z - tilt * x))
     sand = float(walk.work[-1].sum())
-    return abs(kinetic + potential - sand - walk.totals["net_joint_work"]) / max(abs(sand), 1e-300)
+    gap = abs(kinetic + potential - sand - walk.totals["net_joint_work"])
+    return float(gap / max(abs(sand), 1e-300))
 
 
 def power_from_sand(walk: Walk, samples: int = 64) -> float:

@@ -26,6 +26,7 @@ from footopt.walk.batch import Options, chunks, walk_batch
 from footopt.walk.loop import OK
 from footopt.walk.objectives import FIVE, OBJECTIVES, by_name, sizes
 from footopt.walk.scene import Scene
+from footopt.walk.simulator import Simulator
 from footopt.walk.state import LANES
 from footopt.walk.steppers import STEPPERS
 
@@ -74,14 +75,16 @@ class Found(NamedTuple):
     path: tuple[Rung, ...] = ()  # from the coarsest numbers on
 
 
-def numerics(accuracy: AnyAccuracy, scene: Scene, feet: Any, space: Waypoints | None = None) -> Accuracy:
+def numerics(
+    accuracy: AnyAccuracy, scene: Scene | Simulator, feet: Any, space: Waypoints | None = None
+) -> Accuracy:
     """The numbers with which feet walk through a scene.
 
     Parameters
     ----------
     accuracy : Accuracy or Tolerance
         Numbers, which are taken as they are, or a tolerance.
-    scene : Scene
+    scene : Scene or Simulator
         Where they walk.
     feet : Waypoints, Foot, sequence of Foot, or (designs, n)
         A space, whose probes are random soles; heights of one; or soles, of which up to ten are the probes.
@@ -99,9 +102,13 @@ def numerics(accuracy: AnyAccuracy, scene: Scene, feet: Any, space: Waypoints | 
     return replace(ladder(accuracy, scene, feet, space)[0], name=accuracy.name, tolerance=accuracy.error)
 
 
-def ladder(of: Tolerance, scene: Scene, feet: Any, space: Waypoints | None = None) -> tuple[Accuracy, Found]:
+def ladder(
+    of: Tolerance, scene: Scene | Simulator, feet: Any, space: Waypoints | None = None
+) -> tuple[Accuracy, Found]:
     """The numbers that a tolerance comes to, and how they were found."""
     soles = _soles(feet, space)
+    if isinstance(scene, Simulator):
+        return scene.ladder(of, soles) or (Accuracy(), Found(Rung(), math.nan, math.nan))
     try:
         found = _climbed(replace(of, name="", refinements=0), scene, soles)
     except TypeError:  # an effect of a user's own that cannot be hashed
@@ -135,15 +142,33 @@ def _spread(count: int) -> list[int]:
 def _climbed(of: Tolerance, scene: Scene, soles: Any) -> Found:
     """The end of the ladder for a space or some feet."""
     top = _top(of, scene)
-    probes, space, drawing = soles, None, 0.0
+    chosen, space, drawing = soles, None, 0.0
     if isinstance(soles, Waypoints):
         space = soles
-        drawn = np.random.default_rng(0).integers(1, soles.K + 1, (DRAWN, soles.n))
-        values, cost = _walked(numbers_at(of, scene, Rung()), scene, drawn, space)
+        heights = drawn(soles)
+        values, cost = _walked(numbers_at(of, scene, Rung()), scene, heights, space)
         fails = np.isnan(values).all(axis=1)
-        probes, drawing = drawn[np.argsort(fails, kind="stable")[:PROBES]], DRAWN * cost
-    found = climb(lambda rung: _walked(numbers_at(of, scene, rung), scene, probes, space), top, of.error)
+        chosen, drawing = heights[np.argsort(fails, kind="stable")[:PROBES]], DRAWN * cost
+    found = climb(lambda rung: _walked(numbers_at(of, scene, rung), scene, chosen, space), top, of.error)
     return found._replace(price=found.price + drawing)
+
+
+def probes(space: Waypoints) -> NDArray[np.int64]:
+    """Soles of a space that stand for all of it, (PROBES, n)."""
+    return drawn(space)[:PROBES]
+
+
+def drawn(space: Waypoints) -> NDArray[np.int64]:
+    """Random soles of a space, (DRAWN, n): every other one rough, those between on lines through few heights.
+
+    Smooth soles take to the sand all at once, and a search ends among them.
+    """
+    random, x = np.random.default_rng(0), np.linspace(0.0, 1.0, space.n)
+    rows = random.integers(1, space.K + 1, (DRAWN, space.n))
+    for i in range(1, DRAWN, 2):
+        knots = np.linspace(0.0, 1.0, min(2 + i // 2 % 4, space.n))
+        rows[i] = np.rint(np.interp(x, knots, rows[i, : len(knots)]))
+    return rows
 
 
 def _top(of: Tolerance, scene: Scene) -> Rung:
@@ -206,8 +231,9 @@ def climb(walk: Callable[[Rung], tuple[Array, float]], top: Rung, tolerance: flo
         values, cost = at(rung)
         looks = range(1, 2 + (len(values) < FEW))
         finer = [[at(rung.up(side, by, top)) for by in looks] for side in range(len(rung))]
-        errors = [SAFE * max(changed(values, other) for other, _ in ups) for ups in finer]
-        passed.append(Found(rung, sum(errors), cost))
+        changes = [SAFE * np.max([changes_of(values, other) for other, _ in ups], axis=0) for ups in finer]
+        errors = [worst(change) for change in changes]
+        passed.append(Found(rung, worst(sum(changes)), cost))
         worth = {
             side: errors[side] / max(finer[side][0][1] - cost, CHEAP * cost)
             for side in range(len(rung))
@@ -226,16 +252,22 @@ def climb(walk: Callable[[Rung], tuple[Array, float]], top: Rung, tolerance: flo
     return found._replace(price=price, path=tuple(one.rung for one in passed))
 
 
-def changed(values: Array, others: Array) -> float:
-    """The largest relative change of the probes' objectives (probes, objectives), of many but for one probe.
+def changes_of(values: Array, others: Array) -> Array:
+    """Relative changes of the probes' objectives (probes, objectives).
 
-    Infinite where a walk ends otherwise, and 0 where it fails on both rungs. One probe of ten may stand at
-    the brink of a fall, whatever the numbers are.
+    Infinite where a walk ends otherwise, and 0 where it fails on both rungs.
     """
     same = (values == others) | (np.isnan(values) & np.isnan(others))
     change = np.where(same, 0.0, np.abs(others - values) / sizes(others))
-    worst = np.sort(np.where(np.isnan(change), math.inf, change).max(axis=1))
-    return float(worst[-1 if len(worst) < FEW else -2])
+    return np.where(np.isnan(change), math.inf, change)
+
+
+def worst(errors: Array) -> float:
+    """The largest of the probes' errors (probes, objectives), of many but for one probe.
+
+    One probe of ten may stand at the brink of a fall, whatever the numbers are.
+    """
+    return float(np.sort(errors.max(axis=1))[-1 if len(errors) < FEW else -2])
 
 
 def _in_vain(passed: Sequence[Found]) -> bool:

@@ -18,7 +18,7 @@ class Raw(NamedTuple):
     work: float  # J
     peak_power: float  # W
     speed_loss: float  # m/s
-    positive_joint_work: float  # J
+    joint_work: float  # J
     peak_vertical_force: float  # N
     maximum_sinkage: float  # m
     net_joint_work: float  # J
@@ -197,7 +197,7 @@ def raw_of(state, extremes, t_f):
         work=abs(sums.work_left + sums.work_right),
         peak_power=power,
         speed_loss=fall,
-        positive_joint_work=sums.joint,
+        joint_work=sums.joint,
         peak_vertical_force=extremes.force,
         maximum_sinkage=extremes.sinkage,
         net_joint_work=sums.joint_net,

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from footopt.errors import SettingError, check, is_number
 from footopt.walk.metrics import RAW
 from footopt.walk.scene import Scene
+from footopt.walk.simulator import Simulator
 
 Array = NDArray[np.float64]
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -31,9 +32,9 @@ FLOORS = {"work": 1.0, "peak_power": 1.0, "speed_loss": 1e-3}
 Raw = Mapping[str, Array]
 
 
-def by_name(raw: Array) -> Raw:
-    """The columns of raw results (designs, len(RAW)) by name."""
-    return dict(zip(RAW, raw.T, strict=True))
+def by_name(raw: Array, quantities: Sequence[str] = RAW) -> Raw:
+    """The columns of raw results (designs, quantities) by name."""
+    return dict(zip(quantities, raw.T, strict=True))
 
 
 @dataclass(frozen=True)
@@ -187,16 +188,23 @@ def efficiency(raw: Raw, scene: Scene) -> Array:
 
 @objective("CoT", "", maximise=False, worst=1e6, least=0.0)
 def cost_of_transport(raw: Raw, scene: Scene) -> Array:
-    """|W| / (M g distance); NaN for a walker that does not get forward."""
+    """Work / (M g distance): the sand's |W| on massless legs, a robot's joint work.
+
+    NaN for a walker that does not get forward.
+    """
     forward = np.where(raw["distance"] > 1e-12, raw["distance"], np.nan)
-    value: Array = raw["work"] / (scene.walker.weight * forward)
+    value: Array = raw[scene.transport] / (scene.weight * forward)
     return value
 
 
 @objective(r"$W^+_{\mathrm{joint}}$", "J", maximise=False, worst=1e6, least=0.0)
-def positive_joint_work(raw: Raw, scene: Scene) -> Array:
-    """Integral of the positive part of P_joint = -sum f.(v_plate - v_COM) of each leg, summed, J."""
-    return raw["positive_joint_work"]
+def joint_work(raw: Raw, scene: Scene) -> Array:
+    """Positive work of the joints, J.
+
+    Of massless legs the integral of the positive part of P_joint = -sum f.(v_plate - v_COM) of each leg,
+    summed; of a robot that of torque times speed of each actuator.
+    """
+    return raw["joint_work"]
 
 
 @objective(r"$z_{\max}$", "m", maximise=False, worst=1e3, least=0.0)
@@ -209,6 +217,24 @@ def maximum_sinkage(raw: Raw, scene: Scene) -> Array:
 def peak_vertical_force(raw: Raw, scene: Scene) -> Array:
     """Largest vertical force of both feet together at any step, N."""
     return raw["peak_vertical_force"]
+
+
+@objective(r"$e_{\mathrm{track}}$", "rad", maximise=False, worst=1e3, least=0.0)
+def tracking_error(raw: Raw, scene: Scene) -> Array:
+    """Root of the mean square by which a robot's servos miss their commands, over time and joints, rad."""
+    return raw["tracking_error"]
+
+
+@objective(r"$\tau_{\max}$", "N m", maximise=False, worst=1e9, least=0.0)
+def torque(raw: Raw, scene: Scene) -> Array:
+    """Largest torque of any actuator of a robot at any step, N m (N of one that slides)."""
+    return raw["torque"]
+
+
+@objective(r"$t_{\mathrm{fall}}$", "s", maximise=True, worst=0.0)
+def survival(raw: Raw, scene: Scene) -> Array:
+    """How long a robot walks before it falls, s: known of walks that fail, too."""
+    return raw["survival"]
 
 
 #: The paper's objectives, in the order of every table.
@@ -241,13 +267,30 @@ def gain_shares(values: dict[str, float], base: dict[str, float]) -> dict[str, f
     return dict(zip(FIVE, shares.tolist(), strict=True))
 
 
-def lookup(names: Sequence[str]) -> list[Objective]:
-    """Objectives by name, in that order."""
+def offered(simulator: Simulator | Scene) -> tuple[str, ...]:
+    """Names of the measures that a simulator's walks have: those whose quantities it gives."""
+    quantities = simulator.quantities if isinstance(simulator, Simulator) else RAW
+    ones, found = {name: np.ones(1) for name in quantities}, []
+    for name, o in MEASURES.items():
+        try:
+            if o.of == "raw":
+                o.value(ones, simulator)
+            elif o.of == "walk" and not getattr(simulator, "traces", True):
+                continue
+        except KeyError:
+            continue
+        found.append(name)
+    return tuple(found)
+
+
+def lookup(names: Sequence[str], simulator: Simulator | Scene | None = None) -> list[Objective]:
+    """Objectives by name, in that order; of those that a simulator offers."""
+    known = tuple(MEASURES) if simulator is None else offered(simulator)
     if not names:
-        raise SettingError("objective.names", list(names), f"one or more of {', '.join(MEASURES)}")
+        raise SettingError("objective.names", list(names), f"one or more of {', '.join(known)}")
     for name in names:
-        if name not in MEASURES:
-            raise SettingError("objective.names", name, f"made of {', '.join(MEASURES)}")
+        if name not in known:
+            raise SettingError("objective.names", name, f"made of {', '.join(known)}")
     if len(set(names)) < len(names):
         raise SettingError("objective.names", list(names), "free of repetitions")
     return [MEASURES[name] for name in names]

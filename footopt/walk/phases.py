@@ -28,8 +28,10 @@ def stance(walk: Walk, step: int = 0) -> Stance | None:
     from there. On soft sand, where a foot drags through its swing, there is no touch-down within a
     quarter of a stride, and the step begins at the heel strike.
     """
-    gait, foot = walk.scene.gait, LEFT if step % 2 else RIGHT
-    strike, quarter = gait.heel_strike + step * gait.period / 2.0, gait.period / 4.0
+    strikes, foot = walk.scene.strikes, LEFT if step % 2 else RIGHT
+    if step >= len(strikes):
+        return None
+    strike, quarter = strikes[step], walk.scene.stride / 4.0
     on = walk.force[:, foot, 1] > LEAST_FORCE
     after = np.flatnonzero(on & (walk.t >= strike - 1e-9))
     if len(after) == 0:
@@ -46,7 +48,7 @@ def stance(walk: Walk, step: int = 0) -> Stance | None:
 def step_on_patch(walk: Walk) -> int:
     """The first step in whose middle the foot is on a patch of other sand; 0 where there is none."""
     patches = [zone for effect in walk.scene.effects for zone in effect.zones]
-    for step in range(len(walk.scene.gait.heel_strikes(walk.scene.duration)) if patches else 0):
+    for step in range(len(walk.scene.strikes) if patches else 0):
         if (contact := stance(walk, step)) is None:
             continue
         middle = np.array([(contact.first + contact.last) // 2])

@@ -11,7 +11,7 @@ import numpy as np
 from footopt.foot import Foot
 from footopt.walk import discretize
 from footopt.walk.accuracy import Accuracy, AnyAccuracy, resolve
-from footopt.walk.objectives import FIVE, FLOORS, OBJECTIVES
+from footopt.walk.objectives import FIVE, FLOORS
 from footopt.walk.results import Walk
 from footopt.walk.scene import Scene
 from footopt.walk.simulate import estimated, simulate
@@ -66,7 +66,7 @@ def estimate_error(
 
 def error_of(walk: Walk, names: Sequence[str] | None = None) -> dict[str, float]:
     """`estimate_error` of a walk that is there already."""
-    names = tuple(names or OBJECTIVES)
+    names = tuple(names or walk.objectives)
     values = np.array([list(walk.measures(names).values())])
     found = estimated(values, [walk.foot], walk.scene, walk.accuracy, names, threads=1)
     return dict(zip(names, found[0].tolist(), strict=True))
@@ -102,11 +102,11 @@ def resolution(walk: Walk, errors: Mapping[str, float]) -> list[Diagnostic]:
     changes = {
         cause: abs(simulate(walk.foot, walk.scene, one).objectives[worst] - values[worst])
         for cause, one in finer(walk.accuracy).items()
-        if not discretize.too_long(walk.scene, one)
+        if isinstance(walk.scene, Scene) and not discretize.too_long(walk.scene, one)
     }
-    if not changes:
+    if isinstance(walk.scene, Scene) and not changes:
         return []
-    why = CAUSES[max(changes, key=lambda cause: changes[cause])]
+    why = CAUSES[max(changes, key=lambda cause: changes[cause], default="accuracy.dt")]
     name = f"estimated error of {worst.replace('_', ' ')}"
     return [Diagnostic(name, 100.0 * shares[worst], "%", 100.0 * limit, why)]
 
@@ -114,7 +114,7 @@ def resolution(walk: Walk, errors: Mapping[str, float]) -> list[Diagnostic]:
 def _outcome(walk: Walk, limit: float) -> list[Diagnostic]:
     """Whether a finer walk fails where this one did not."""
     finer = walk.accuracy.refined(2)
-    if discretize.too_many_poses(walk.scene, finer):
+    if isinstance(walk.scene, Scene) and discretize.too_many_poses(walk.scene, finer):
         return []
     ends = {one.reason for one in (simulate(walk.foot, walk.scene, walk.accuracy.refined(n)) for n in (1, 2))}
     reasons = ", ".join(sorted(ends - {""}))

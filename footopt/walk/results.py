@@ -12,11 +12,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from footopt.effects import reshaping
 from footopt.foot import Foot, Plates
+from footopt.gait.gait import Pose
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.metrics import RAW
-from footopt.walk.objectives import MEASURES, OBJECTIVES, Objective, by_name, lookup
+from footopt.walk.objectives import MEASURES, OBJECTIVES, Objective, by_name, lookup, offered
 from footopt.walk.plates import PlateStates, plate_states
 from footopt.walk.scene import Scene
+from footopt.walk.simulator import Simulator
 
 Array = NDArray[np.float64]
 
@@ -35,8 +37,8 @@ class Table:
         Whether the walk succeeded.
     reasons : (designs,), str
         "" or why it failed: sunk, backward, diverged.
-    raw : (designs, ...)
-        The loop's own results, columns `RAW`.
+    raw : (designs, quantities)
+        What the walks measure, columns `quantities`.
     evaluations, plates : (designs,), int
         Evaluations of the contact, and of plates in them.
     rescues : (designs,), int
@@ -46,8 +48,10 @@ class Table:
     repeats : (designs,), int
         How often the walk was repeated with a quarter of the time step because a step could not be
         solved or a state was not finite.
-    scene : Scene
+    scene : Scene or Simulator
         Of the walks.
+    quantities : tuple of str
+        Names of `raw`.
     errors : (designs, objectives), optional
         Estimates of the values' errors, in their units; NaN where a finer walk ends otherwise or is too long.
         None unless `evaluate` was asked for them.
@@ -63,11 +67,12 @@ class Table:
     rescues: NDArray[np.int64]
     shortened: NDArray[np.int64]
     repeats: NDArray[np.int64]
-    scene: Scene
+    scene: Scene | Simulator
+    quantities: tuple[str, ...] = RAW
     errors: Array | None = None
 
     def __repr__(self) -> str:
-        title, walked = f"<Table of {len(self)} feet on {self.scene.sand.name} sand", int(self.feasible.sum())
+        title, walked = f"<Table of {len(self)} feet on {self.scene.title}", int(self.feasible.sum())
         return f"{title}: {walked} walked; {', '.join(self.names)}>"
 
     def __len__(self) -> int:
@@ -83,12 +88,12 @@ class Table:
         """
         if name in self.names:
             return self.values[:, self.names.index(name)]
-        there = [n for n, o in OBJECTIVES.items() if n != "maximum_sinkage" and o.of == "raw"]
+        there = [n for n in offered(self.scene) if n != "maximum_sinkage" and n in OBJECTIVES]
         if name not in there:
             raise KeyError(
                 f"no {name!r} in this table: it has {', '.join(dict.fromkeys([*self.names, *there]))}"
             )
-        return np.asarray(OBJECTIVES[name].value(by_name(self.raw), self.scene))
+        return np.asarray(OBJECTIVES[name].value(by_name(self.raw, self.quantities), self.scene))
 
     @property
     def efficiency(self) -> Array:
@@ -150,7 +155,7 @@ class Walk:
     """
 
     foot: Foot
-    scene: Scene
+    scene: Any
     accuracy: Accuracy
     t: Array
     com: Array
@@ -168,7 +173,7 @@ class Walk:
     repeats: int
 
     def __repr__(self) -> str:
-        title = f"<Walk of {self.foot.name} on {self.scene.sand.name} sand"
+        title = f"<Walk of {self.foot.name} on {self.scene.title}"
         if not self.feasible:
             return f"{title}: failed, {self.reason}>"
         values = (
@@ -186,13 +191,14 @@ class Walk:
     @property
     def objectives(self) -> dict[str, float]:
         """All objectives by name, in natural signs; NaN for a failed walk."""
-        raw = {name: np.array([self.totals[name] if self.feasible else np.nan]) for name in RAW}
-        return {name: float(o.value(raw, self.scene)[0]) for name, o in OBJECTIVES.items()}
+        raw = {name: np.array([value if self.feasible else np.nan]) for name, value in self.totals.items()}
+        names = [name for name in offered(self.scene) if name in OBJECTIVES]
+        return {name: float(OBJECTIVES[name].value(raw, self.scene)[0]) for name in names}
 
     def measures(self, names: Sequence[str]) -> dict[str, float]:
         """Any measures by name (`footopt.walk.objectives.MEASURES`), natural signs; NaN for a failed walk."""
         raw = self.objectives
-        return {m.name: raw[m.name] if m.of == "raw" else self.measured(m) for m in lookup(names)}
+        return {m.name: raw[m.name] if m.of == "raw" else self.measured(m) for m in lookup(names, self.scene)}
 
     def measured(self, measure: Objective) -> float:
         """One that is measured in Python; NaN for a failed walk."""
@@ -236,12 +242,38 @@ class Walk:
     def plates(self, index: ArrayLike) -> PlateStates:
         """Every plate's place, motion and force at some samples, by the walk's own law."""
         i = np.asarray(index)
-        pose = self.scene.gait.pose(self.t[i], self.scene.walker.l1, self.scene.walker.l2)
         bristles = None if self.bristles is None else self.bristles[i].astype(np.float64)
-        state = self._plates, pose, self.com[i], self.velocity[i], self.scene, self.accuracy.creep
+        state = self.sole, self.pose(i), self.com[i], self.velocity[i], self.world, self.accuracy.creep
         return plate_states(*state, bristles=bristles)
 
     @property
-    def _plates(self) -> Plates:
-        fill = reshaping(self.scene.effects)
+    def world(self) -> Scene:
+        """The sand of the walk, its effects, and gravity."""
+        found: Scene = self.scene
+        return found
+
+    def pose(self, index: ArrayLike) -> Pose:
+        """Both feet from the COM at some samples."""
+        return self.world.gait.pose(self.t[np.asarray(index)], self.world.walker.l1, self.world.walker.l2)
+
+    def legs(self, t: ArrayLike) -> Array:
+        """Hip, knee and ankle of both legs at times (M,), linear between samples: (M, 2 feet, 3, 2), m."""
+        t, walker = np.asarray(t, float), self.world.walker
+        hip = np.stack([np.interp(t, self.t, self.com[:, axis]) for axis in range(2)], axis=-1)
+        (thigh, _), (shank, _), _ = self.world.gait.angles(t)
+
+        def segment(length: float, angle: Array) -> Array:  # hangs at an angle from the vertical, + forward
+            return length * np.stack([np.sin(angle), -np.cos(angle)], axis=-1)
+
+        top = np.broadcast_to(hip[:, None], (*thigh.shape, 2))
+        knee = top + segment(walker.l1, thigh)
+        return np.stack([top, knee, knee + segment(walker.l2, shank)], axis=2)
+
+    def pitch(self, t: ArrayLike) -> Array:
+        """Pitch of both feet at times (M,): (M, 2 feet), rad."""
+        return self.world.gait.angles(np.asarray(t, float))[2][0]
+
+    @property
+    def sole(self) -> Plates:
+        fill = reshaping(self.world.effects)
         return self.foot.plates(self.accuracy.plates, self.accuracy.rule, directed=True, fill=fill)

@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
 
 from footopt.effects import base as effects
 from footopt.effects.base import Effect, ordered
@@ -113,6 +117,62 @@ class Scene:
     def duration(self) -> float:
         """t_f, s."""
         return self.gait.start + 2.0 * self.gait.period if self.t_f is None else self.t_f
+
+    #: The quantity that `cost_of_transport` counts: joints of massless legs spend what the sand takes.
+    transport: ClassVar[str] = "work"
+
+    @property
+    def weight(self) -> float:
+        """M g, N."""
+        return self.walker.weight
+
+    @property
+    def title(self) -> str:
+        """Its sand in a few words."""
+        return f"{self.sand.name} sand"
+
+    @property
+    def about(self) -> str:
+        """What walks, in a line."""
+        walker, gait = self.walker, self.gait
+        return (
+            f"Walker: {walker.mass:g} kg, legs {walker.l1:g} + {walker.l2:g} m, g {walker.g:g} m/s^2; "
+            f"gait {gait.name}, stride {gait.period:.4g} s"
+        )
+
+    def entry(self) -> dict[str, Any]:
+        """What it is, for result.json."""
+        return {
+            "gait": {
+                "name": self.gait.name,
+                "period_s": self.gait.period,
+                "pitch": self.gait.pitch,
+                "source": self.gait.source,
+                "fit_residual_deg": dict(self.gait.residual),
+            },
+            "walker": asdict(self.walker),
+            "t_f_s": self.duration,
+        }
+
+    @property
+    def g(self) -> float:
+        """Gravity, m/s^2."""
+        return self.walker.g
+
+    @property
+    def stride(self) -> float:
+        """Duration of a stride, s."""
+        return self.gait.period
+
+    @property
+    def strikes(self) -> NDArray[np.float64]:
+        """Times of all heel strikes, the right foot's first, s."""
+        return self.gait.heel_strikes(self.duration)
+
+    @property
+    def holds(self) -> bool:
+        """Whether its sand holds what stands, by bristles, in place of letting it creep."""
+        return effects.bristle_length(self.effects) is not None
 
     @property
     def zeta(self) -> float:

@@ -18,9 +18,10 @@ from footopt.walk.batch import REASONS, Options, chunks, walk_batch
 from footopt.walk.ladder import numerics
 from footopt.walk.loop import OK
 from footopt.walk.metrics import RAW, Sample
-from footopt.walk.objectives import FIVE, Objective, by_name, lookup
+from footopt.walk.objectives import FIVE, Objective, by_name, lookup, offered
 from footopt.walk.results import Table, Walk
 from footopt.walk.scene import Scene
+from footopt.walk.simulator import Simulator
 from footopt.walk.state import COUNTS
 
 Array = NDArray[np.float64]
@@ -29,15 +30,17 @@ Array = NDArray[np.float64]
 SAFE = 2.0  # times the differences to two refined walks, see `estimated`
 
 
-def simulate(foot: Foot, scene: Scene | None = None, accuracy: AnyAccuracy | str = "standard") -> Walk:
+def simulate(
+    foot: Foot, scene: Scene | Simulator | None = None, accuracy: AnyAccuracy | str = "standard"
+) -> Walk:
     """Walk through a scene with one foot, keeping full traces.
 
     Parameters
     ----------
     foot : Foot
         The sole.
-    scene : Scene, optional
-        The paper's walk on hard sand by default.
+    scene : Scene or Simulator, optional
+        The paper's walk on hard sand by default; or any other simulator, such as a robot.
     accuracy : Accuracy, Tolerance or str
         Numbers, an error that is allowed, or a preset's name.
 
@@ -54,6 +57,9 @@ def simulate(foot: Foot, scene: Scene | None = None, accuracy: AnyAccuracy | str
     check_kind(foot, Foot, "foot", "Try fo.Foot.from_waypoints(heights)")
     scene = _scene(scene)
     accuracy = numerics(resolve(accuracy), scene, foot)
+    if isinstance(scene, Simulator):
+        walk: Walk = scene.trace(foot, accuracy)
+        return walk
     directed = effects.laws(scene.effects).directed
     plates = foot.plates(accuracy.plates, accuracy.rule, directed, effects.reshaping(scene.effects))
     walked = walk_batch(plates, scene, accuracy, Options(sink=True, threads=1, traced=True))
@@ -83,9 +89,9 @@ def _pair(a: Array, b: Array) -> Array:
 
 def evaluate(
     feet: Foot | Sequence[Foot] | ArrayLike,
-    scene: Scene | None = None,
+    scene: Scene | Simulator | None = None,
     accuracy: AnyAccuracy | str = "standard",
-    objectives: str | Sequence[str] = FIVE,
+    objectives: str | Sequence[str] | None = None,
     space: Waypoints | None = None,
     threads: int | None = None,
     errors: bool = False,
@@ -101,9 +107,9 @@ def evaluate(
         The soles; an array holds heights of waypoints in `space`.
     scene, accuracy
         As in `simulate`.
-    objectives : str or sequence of str
+    objectives : str or sequence of str, optional
         One name, or several, of `footopt.walk.objectives.MEASURES`; those that are measured in Python
-        are slow.
+        are slow. By default the paper's five, or those that a simulator measures.
     space : Waypoints, optional
         Of the heights; the paper's by default.
     threads : int, optional
@@ -125,8 +131,10 @@ def evaluate(
     scene, accuracy = _scene(scene), resolve(accuracy)
     bodies = as_feet(feet)
     scene.need_heel_strike()
+    if objectives is None:
+        objectives = [name for name in FIVE if name in offered(scene)]
     objectives = (objectives,) if isinstance(objectives, str) else tuple(objectives)
-    lookup(objectives)
+    lookup(objectives, scene)
     given = bodies, scene, numerics(accuracy, scene, bodies, space), objectives, space, threads
     table = _evaluated(*given)
     return replace(table, errors=estimated(table.values, *given)) if errors else table
@@ -135,7 +143,7 @@ def evaluate(
 def estimated(
     values: Array,
     feet: Any,
-    scene: Scene,
+    scene: Scene | Simulator,
     accuracy: Accuracy,
     names: Sequence[str],
     space: Waypoints | None = None,
@@ -148,10 +156,10 @@ def estimated(
     walks that refinement by chance changes little. NaN where a refined walk ends otherwise, or is too long.
     """
     finer = [accuracy.refined(times) for times in (1, 2)]
-    too_long = (
+    too_long: Any = (
         discretize.too_long if any(m.of == "walk" for m in lookup(names)) else discretize.too_many_poses
     )
-    if any(too_long(scene, one) for one in finer):
+    if isinstance(scene, Scene) and any(too_long(scene, one) for one in finer):
         return np.full_like(values, np.nan)
     once, twice = (_evaluated(feet, scene, one, names, space, threads).values for one in finer)
     return SAFE * (np.abs(values - twice) + np.abs(once - twice))
@@ -159,57 +167,56 @@ def estimated(
 
 def _evaluated(
     feet: Any,
-    scene: Scene,
+    scene: Scene | Simulator,
     accuracy: Accuracy,
     objectives: Sequence[str],
     space: Waypoints | None,
     threads: int | None,
 ) -> Table:
     """`evaluate` at an accuracy that holds for all feet."""
-    chosen, sink = lookup(objectives), "maximum_sinkage" in objectives
-    given = chunks(feet, scene, accuracy, space)
-    parts = [walk_batch(plates, scene, accuracy, Options(sink, threads))[:3] for plates in given]
-    raw, status, counts = (np.concatenate(column) for column in zip(*parts, strict=True))
-    raw[status != OK] = np.nan
-    if not sink:
-        raw[:, RAW.index("maximum_sinkage")] = np.nan
-    values = np.full((len(raw), len(chosen)), np.nan)
+    if isinstance(scene, Simulator):
+        names, none = scene.quantities, np.zeros(len(feet), np.int64)
+        raw, reasons, evaluations = scene.walk([_foot(f, space) for f in feet], accuracy, threads)
+        counts: dict[str, Any] = dict.fromkeys(COUNTS.names or (), none) | {"evaluations": evaluations}
+    else:
+        sink, names = "maximum_sinkage" in objectives, RAW
+        given = chunks(feet, scene, accuracy, space)
+        parts = [walk_batch(plates, scene, accuracy, Options(sink, threads))[:3] for plates in given]
+        raw, status, walked = (np.concatenate(column) for column in zip(*parts, strict=True))
+        raw[status != OK] = np.nan
+        if not sink:
+            raw[:, RAW.index("maximum_sinkage")] = np.nan
+        reasons = np.array([REASONS[int(s)] for s in status], dtype=np.str_)
+        counts = {name: walked[name] for name in COUNTS.names or ()}
+    values = np.full((len(raw), len(objectives)), np.nan)
+    chosen, feasible = lookup(objectives, scene), reasons == ""
     for column, o in enumerate(chosen):
         if o.of == "raw":
-            values[:, column] = o.value(by_name(raw), scene)
+            values[:, column] = o.value(by_name(raw, names), scene)
     if slow := [column for column, o in enumerate(chosen) if o.of != "raw"]:
-        for design in np.flatnonzero(status == OK).tolist():
-            values[design, slow] = _measured(feet, design, [chosen[c] for c in slow], scene, accuracy, space)
-    reasons = np.array([REASONS[int(s)] for s in status], dtype=np.str_)
-    return Table(
-        values=values,
-        names=tuple(objectives),
-        feasible=status == OK,
-        reasons=reasons,
-        raw=raw,
-        scene=scene,
-        **{name: counts[name] for name in COUNTS.names or ()},
-    )
+        for design in np.flatnonzero(feasible).tolist():
+            foot = _foot(feet[design], space)
+            values[design, slow] = _measured(foot, [chosen[c] for c in slow], scene, accuracy)
+    return Table(values, tuple(objectives), feasible, reasons, raw, scene=scene, quantities=names, **counts)
 
 
-def _measured(
-    feet: Any,
-    i: int,
-    measures: Sequence[Objective],
-    scene: Scene,
-    accuracy: Accuracy,
-    space: Waypoints | None,
-) -> list[float]:
-    """Measures in Python, of one foot of a batch and its walk."""
-    foot = feet[i] if isinstance(feet[i], Foot) else Foot.from_waypoints(feet[i], space)
+def _foot(foot: Any, space: Waypoints | None) -> Foot:
+    """A foot, or that of a row of heights."""
+    return foot if isinstance(foot, Foot) else Foot.from_waypoints(foot, space)
+
+
+def _measured(foot: Foot, measures: Sequence[Objective], scene: Any, accuracy: Accuracy) -> list[float]:
+    """Measures in Python, of one foot and its walk."""
     if all(m.of == "foot" for m in measures):
         return [float(m.value(foot)) for m in measures]
     walk = simulate(foot, scene, accuracy)
     return [walk.measured(m) for m in measures]
 
 
-def _scene(scene: Scene | None) -> Scene:
+def _scene(scene: Scene | Simulator | None) -> Any:
     """The paper's walk on hard sand where there is none."""
+    if isinstance(scene, Simulator):
+        return scene
     found = Scene() if scene is None else scene
     check_kind(found, Scene, "scene", "Try fo.Scene(sand=...)")
     return found

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.effects import EFFECTS, bristle_length, laws
+from footopt.effects import EFFECTS, laws
 from footopt.effects import base as effects
 from footopt.foot import Foot
 from footopt.walk.balances import creep_while_standing
@@ -61,9 +61,8 @@ def thickness(foot: Foot) -> float:
 @measure("walk", r"$z_{\mathrm{ankle}}$", "m", maximise=False, worst=1e3)
 def ankle_depth(walk: Walk) -> float:
     """Largest depth of the ankle below the surface, m: only the sole feels the sand, not the leg."""
-    index, walker = samples(walk), walk.scene.walker
-    pose = walk.scene.gait.pose(walk.t[index], walker.l1, walker.l2)
-    return float(max(-(walk.com[index, 1, None] + pose.z).min(), 0.0))
+    index = samples(walk)
+    return float(max(-(walk.com[index, 1, None] + walk.pose(index).z).min(), 0.0))
 
 
 def diagnose(walk: Walk) -> list[Diagnostic]:
@@ -123,7 +122,7 @@ def diagnose(walk: Walk) -> list[Diagnostic]:
 
 def _rare(walk: Walk) -> list[Diagnostic]:
     """Diagnostics of walks that leave the tested range."""
-    sinks = 0.0 if bristle_length(walk.scene.effects) else creep_while_standing(walk)
+    sinks = 0.0 if walk.scene.holds else creep_while_standing(walk)
     gives = -walk.scene.sand.stress_map.dissipation()
     pushes = (
         "such a sand pushes plates along, and how a walk ends may hang on the accuracy; see sand.coefficients"

@@ -6,8 +6,7 @@ from pathlib import Path
 from running import footopt
 
 from footopt.effects import EFFECTS
-from footopt.studies.meanings import settings
-from footopt.studies.settings import known
+from footopt.studies.meanings import known, settings
 
 DOCS = Path(__file__).parents[2] / "docs"
 REFERENCE = runpy.run_path(str(DOCS / "reference.py"))

@@ -18,7 +18,7 @@ from footopt.design import confirm
 from footopt.files import identity
 from footopt.report import figures, page, summary, terminal
 from footopt.studies.base import foot_entry, scene_entry
-from footopt.walk import FIVE, OBJECTIVES
+from footopt.walk import FIVE
 
 pytestmark = [pytest.mark.slow, needs]
 LIMIT = 5e6  # bytes of a page
@@ -177,7 +177,7 @@ def test_a_browser_runs_nothing_of_a_name(browser, tmp_path):
         entry = {
             "study": "simulate",
             "design": foot_entry(named.foot),
-            **scene_entry(scene, walk.accuracy, tuple(OBJECTIVES)),
+            **scene_entry(scene, walk.accuracy, tuple(walk.objectives)),
             **{"reason": name, "warnings": [name], "versions": {name: name}, "settings": {name: name}},
         }
         browser.get(page.write(tmp_path / "page.html", page.walk_content(named, entry)).as_uri())

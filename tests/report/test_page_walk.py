@@ -13,8 +13,9 @@ from footopt.report.page.physics import physics, spline
 from footopt.report.page.study import NOTHING
 from footopt.walk import OBJECTIVES
 from footopt.walk.accuracy import resolve
+from footopt.walk.objectives import offered
 
-NAMES = tuple(OBJECTIVES)
+NAMES = tuple(name for name in offered(fo.Scene()) if name in OBJECTIVES)
 #: Walks with each of these heights, and gives why they failed and what they are judged by.
 WALK = """
 const walked = FEET.map((k) => {

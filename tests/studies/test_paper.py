@@ -130,7 +130,7 @@ def test_a_search_without_a_feasible_foot_leaves_its_claims_undecided(tmp_path, 
         ({"study__speed_loss": "tunnel"}, "study.speed_loss"),
         ({"foot__shape": "circle"}, "foot"),
         ({"scene__t_f": 1.0}, "scene.t_f"),
-        ({"study__confirm": "best"}, "accuracy"),
+        ({"study__confirm": "best"}, "study.confirm"),
     ],
 )
 def test_bad_settings_are_refused_before_anything_is_searched(settings, name, tmp_path):

@@ -9,8 +9,7 @@ from running import composed
 from footopt.errors import SettingError
 from footopt.foot import SHAPES
 from footopt.studies import STUDIES, build
-from footopt.studies.meanings import check_read
-from footopt.studies.settings import known
+from footopt.studies.meanings import check_read, known
 
 #: Other values of settings that are no numbers.
 OTHER = {
@@ -19,7 +18,7 @@ OTHER = {
     "gait.start": 1.0, "accuracy.stepper": "rk4", "accuracy.rule": "chord", "accuracy.control": 1e-3,
     "accuracy.dt": 1e-3, "accuracy.plates": 50, "accuracy.creep": 1e-3, "accuracy.tolerance": 0.01,
     "accuracy.name": "draft", "gait.side": "left", "foot.units": "cm", "foot.layer": "SOLE",
-    "foot.toe": "left", "foot.origin": "centre", "sand.name": "mine",
+    "foot.toe": "left", "foot.origin": "centre", "sand.name": "mine", "simulator.name": "biped",
 }  # fmt: skip
 #: Read where this test does not look: how a run is made, what it leaves, what it returns, files.
 ELSEWHERE = ("study.", "plugins", "report", "engine.", "objective.", "foot.block", "foot.shape", "foot.path",
@@ -32,7 +31,7 @@ def walked(config):
     return str(
         [
             vars(build.make_foot(config.foot)),
-            build.make_scene(config),
+            build.make_simulator(config),
             build.make_accuracy(config.accuracy),
         ]
     )

@@ -103,7 +103,7 @@ class TestStudy:
             ("study.measure=median", "study.measure = 'median'"),
             ("study.tail=2", "study.tail = 2.0"),
             ("study.finalists=0", "study.finalists = 0"),
-            ("study.confirm=finest", "accuracy = 'finest'"),
+            ("study.confirm=finest", "study.confirm = 'finest'"),
             ("foot=ellipse", "foot = 'ellipse'"),
             ("foot.k=[1,2,3,4,5]", "foot.k ="),
             ("solver.name=nsga2", "solver = 'nsga2'"),

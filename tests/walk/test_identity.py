@@ -51,7 +51,7 @@ STEPPERS = {
 }
 OBJECTIVES = (
     "distance", "mean_height", "work", "peak_power", "speed_loss", "efficiency", "cost_of_transport",
-    "positive_joint_work", "maximum_sinkage", "peak_vertical_force",
+    "joint_work", "maximum_sinkage", "peak_vertical_force",
 )  # fmt: skip
 #: Relative, of the means of the objectives: what another processor's rounding may change in half of them, and
 #: in any. Explicit steps chatter, and with effects that turn forces off some peaks hang on the last digit.

@@ -253,7 +253,7 @@ function walkPlates(sole, zeta, mass, dt = P.accuracy.dt, repeat = 0) {
   const none = speed === -Infinity ? NaN : 0, [workLeft, workRight, heights, joint] = now.sums;
   return end("", {
     distance: now.x, mean_height: heights / P.end, work: Math.abs(workLeft + workRight), peak_power: power + none,
-    speed_loss: fall + none, positive_joint_work: joint, peak_vertical_force: force, maximum_sinkage: deepest,
+    speed_loss: fall + none, joint_work: joint, peak_vertical_force: force, maximum_sinkage: deepest,
   });
 }
 

@@ -20,7 +20,7 @@ const opened = new Map();
 function open(place) {
   if (!opened.has(place)) {
     const raw = data.walks[place], walk = { ...raw, points: raw.sole ? pairs(unpack(raw.sole)) : sole(raw.design) };
-    for (const name of ["t", "com", "velocity", "force", "power", "work", "at", "when", "arrows"])
+    for (const name of ["t", "com", "velocity", "force", "power", "work", "at", "when", "arrows", "legs"])
       walk[name] = raw[name] ? unpack(raw[name]) : [];
     opened.set(place, prepared(walk));
   }
@@ -47,17 +47,25 @@ function at(walk, name, width, t, times = walk.t) {
   return Array.from({ length: width }, (_, i) => values[low * width + i] * (1 - part) + values[high * width + i] * part);
 }
 
+/** Joints of a leg of a walk at a time, m, and the pitch of its foot, rad: traced, or of the gait. */
+function legPose(walk, t, foot) {
+  if (walk.legs?.length) {
+    const width = walk.legs.length / walk.t.length / 2, row = at(walk, "legs", 2 * width, t).slice(foot * width, (foot + 1) * width);
+    return [pairs(row.slice(0, -1)), row.at(-1)];
+  }
+  const [x, z] = at(walk, "com", 2, t), [thigh, shank, pitch] = legAngles(t, foot);
+  const knee = [x + gait.l1 * Math.sin(thigh), z - gait.l1 * Math.cos(thigh)];
+  return [[[x, z], knee, [knee[0] + gait.l2 * Math.sin(shank), knee[1] - gait.l2 * Math.cos(shank)]], pitch];
+}
+
 /** Where legs and soles are at a time, m: of each foot its joints, and what carries a point of the foot there. */
 function pose(walk, t) {
-  const [x, z] = at(walk, "com", 2, t);
   return SIDES.map((_, foot) => {
-    const [thigh, shank, pitch] = legAngles(t, foot);
-    const knee = [x + gait.l1 * Math.sin(thigh), z - gait.l1 * Math.cos(thigh)];
-    const ankle = [knee[0] + gait.l2 * Math.sin(shank), knee[1] - gait.l2 * Math.cos(shank)];
+    const [leg, pitch] = legPose(walk, t, foot), ankle = leg.at(-1);
     const c = Math.cos(pitch), s = Math.sin(pitch);
     const turn = ([u, v]) => [ankle[0] + c * u - s * v, ankle[1] + s * u + c * v];
     const carry = (points) => points.map(([u, v]) => turn([u - walk.ankle[0], v - walk.ankle[1]]));
-    return { leg: [[x, z], knee, ankle], c, s, turn, carry };
+    return { leg, c, s, turn, carry };
   });
 }
 
@@ -66,7 +74,7 @@ function instant(walk, t) {
   const parts = pairs(walk.at), arrows = at(walk, "arrows", 4 * parts.length, t, walk.when);
   const feet = pose(walk, t).map(({ leg, turn, carry }, foot) => ({ leg, shape: carry(walk.shape), sole: carry(walk.light),
     forces: parts.map((p, i) => ({ at: turn(p), f: arrows.slice(2 * (foot * parts.length + i)).slice(0, 2) })) }));
-  return { com: feet[0].leg[0], feet };
+  return { com: at(walk, "com", 2, t), feet };
 }
 
 const size = ([x, z]) => Math.hypot(x, z);
@@ -114,7 +122,7 @@ function groundPicture({ left, right, low, high, unit, metres, newtons, close })
 function bodyPicture(now, { left, right, unit, metres, close }, ghosts) {
   const shapes = ghosts.map((points) => ["ghost", points]), words = [];
   now.feet.forEach(({ leg, shape, sole }, foot) => {
-    const side = SIDES[foot], [x, z] = leg[2];
+    const side = SIDES[foot], [x, z] = leg.at(-1);
     shapes.push([`${side}-foot`, shape], [`${side}-leg`, leg], [`${side}-joints dots`, leg.slice(1)], [`${side}-sole`, sole]);
     if (close && x > left + 3 * unit && x < right - 3 * unit) words.push([x, z + 5.5 * unit, side, "middle"]);
   });

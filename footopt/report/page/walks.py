@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from footopt.design import EXHAUSTIVE, Confirmation, SearchResult
 from footopt.design.result import SHOWN
@@ -15,7 +16,7 @@ from footopt.report.page.file import column, packed
 from footopt.report.page.physics import physics, spline
 from footopt.report.stage import forces_along, ground, groups
 from footopt.report.terminal import describe_confirmation, describe_foot, describe_scene, describe_search
-from footopt.walk import MEASURES, Scene, Walk
+from footopt.walk import MEASURES, Scene, Simulator, Walk
 from footopt.walk.accuracy import AnyAccuracy
 from footopt.walk.phases import step_on_patch
 
@@ -25,6 +26,9 @@ TRACES = ("com", "velocity", "force", "power", "work")
 ON_THE_PAGE = ("front", "front_values", "confirmed")  # as designs, not as entries of result.json
 HOLLOW = 0.5e-3  # m; a smaller one is called none
 POSE_STEP = 0.01  # s, between the poses of the gait
+OUTSIDE = "a robot walks in MuJoCo, not in the page"
+
+Array = NDArray[np.float64]
 
 
 def walk_content(walk: Walk, entry: dict[str, Any], flat: Walk | None = None) -> dict[str, Any]:
@@ -34,8 +38,8 @@ def walk_content(walk: Walk, entry: dict[str, Any], flat: Walk | None = None) ->
     foot, values = walk.foot, entry.get("objectives", walk.objectives)
     space = foot.space if foot.k is not None else None
     return {
-        **_common(entry, walk.scene, tuple(values), walk.accuracy, foot, step_on_patch(walk)),
-        "title": f"{title(foot.name)} on {sand_title(walk.scene.sand)}",
+        **_common(entry, walk.scene, tuple(values), walk.accuracy, foot, walk),
+        "title": f"{title(foot.name)} on {sand_title(walk.world.sand)}",
         "headline": [f"{describe_scene(walk.scene)}; {describe_foot(foot)}"],
         "space": space and spline(space),
         "top": foot.top,
@@ -69,8 +73,8 @@ def search_content(
     certificate = entry.get("certificate")
     kind = "A hollow foot" if best.foot.hollow >= HOLLOW else "A foot without a hollow"
     return {
-        **_common(entry, problem.scene, problem.record, problem.accuracy, problem.space, step_on_patch(best)),
-        "title": f"{kind} for {sand_title(problem.scene.sand)}",
+        **_common(entry, problem.scene, problem.record, problem.accuracy, problem.space, best),
+        "title": f"{kind} for {sand_title(best.world.sand)}",
         "headline": [
             f"Soles for {', '.join(map(title, problem.names))} on {describe_scene(problem.scene)}",
             describe_search(result),
@@ -110,29 +114,34 @@ def search_content(
 
 def _common(
     entry: dict[str, Any],
-    scene: Scene,
+    scene: Scene | Simulator,
     names: Sequence[str],
     accuracy: AnyAccuracy,
     foot: Foot | Waypoints,
-    step: int,
+    walk: Walk,
 ) -> dict[str, Any]:
     """The columns of values, the scene's gait, the constants of walks, and the run's own entry."""
-    t = np.linspace(0.0, scene.duration, int(np.ceil(scene.duration / POSE_STEP)) + 1)
-    thigh, shank, pitch = (angle for angle, _ in scene.gait.angles(t))
+    world = walk.world
     return {
         "columns": [column(name, MEASURES[name].unit, MEASURES[name].maximise) for name in names],
         "entry": {name: value for name, value in entry.items() if name not in ON_THE_PAGE},
-        "ground": ground(scene),
-        "physics": physics(scene, accuracy, foot),
+        "ground": ground(world),
+        "physics": physics(scene, accuracy, foot) if isinstance(scene, Scene) else {"refusal": OUTSIDE},
         "gait": {
-            "end": scene.duration,
-            "angles": packed(np.stack([thigh, shank, pitch], axis=-1)),
-            "strikes": scene.gait.heel_strikes(scene.duration),
-            "step": step,  # that is shown close
-            "l1": scene.walker.l1,
-            "l2": scene.walker.l2,
+            "end": world.duration,
+            "angles": packed(_angles(world)),
+            "strikes": world.strikes,
+            "step": step_on_patch(walk),  # that is shown close
+            "l1": world.walker.l1,
+            "l2": world.walker.l2,
         },
     }
+
+
+def _angles(scene: Scene) -> Array:
+    """Thigh, shank and pitch of both legs over a walk, which poses soles that have not walked."""
+    t = np.linspace(0.0, scene.duration, int(np.ceil(scene.duration / POSE_STEP)) + 1)
+    return np.stack([angle for angle, _ in scene.gait.angles(t)], axis=-1)
 
 
 def _traces(walk: Walk, label: str, design: int | None = None) -> dict[str, Any]:
@@ -144,7 +153,7 @@ def _traces(walk: Walk, label: str, design: int | None = None) -> dict[str, Any]
         return {**shared, "t": packed(walk.t)}
     index = np.unique(np.linspace(0, len(walk.t) - 1, SAMPLES * FRAMES).astype(int))
     even = np.unique(np.searchsorted(walk.t, np.linspace(walk.t[0], walk.t[-1], FRAMES)))
-    sole = foot.plates(walk.accuracy.plates, walk.accuracy.rule)
+    sole = walk.sole
     begin, size = groups(sole.x.shape[1])
     # relative to the ankle, as plates are; the page turns and carries them
     at = [np.add.reduceat(part[0], begin) / size for part in (sole.x, sole.z)]
@@ -152,7 +161,14 @@ def _traces(walk: Walk, label: str, design: int | None = None) -> dict[str, Any]
         **shared,
         "t": packed(walk.t[index]),
         **{name: packed(getattr(walk, name)[index]) for name in TRACES},
+        **({} if isinstance(walk.scene, Scene) else {"legs": packed(_legs(walk, walk.t[index]))}),
         "at": packed(np.stack(at, axis=-1)),
         "when": packed(walk.t[even]),
         "arrows": packed(forces_along(walk, even).force),
     }
+
+
+def _legs(walk: Walk, t: Array) -> Array:
+    """Joints of both legs and the pitch of their feet at times (T,), (T, feet, 2 joints + 1)."""
+    joints, pitch = walk.legs(t), walk.pitch(t)
+    return np.concatenate([joints.reshape(*pitch.shape, -1), pitch[..., None]], axis=2)

@@ -59,7 +59,7 @@ def model_error(walk: Walk, spread: float = Spread.zeta) -> dict[str, float]:
     errors["efficiency"] = math.sqrt(sum(error**2 for error in errors.values()))
     own = np.array([walk.objectives[name] for name in JUDGED])
     changes = np.zeros(len(JUDGED))
-    compared = walk.scene.duration > walk.scene.gait.heel_strike  # a walker that stands cannot be
+    compared = len(walk.scene.strikes) > 0  # a walker that stands cannot be
     for other in harder_and_softer(walk.scene, spread) if compared else ():
         values = evaluate([walk.foot], other.scene, walk.accuracy, JUDGED, threads=1).values[0]
         change = np.nan_to_num(np.abs(relative_change(values, own)), nan=1.0, posinf=1.0)

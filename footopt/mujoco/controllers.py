@@ -1,0 +1,168 @@
+"""What tells a robot's actuators what to do: a gait that servos follow, a table over time, or a function."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from itertools import product
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from footopt.errors import SettingError, check
+from footopt.gait import Gait
+
+Array = NDArray[np.float64]
+
+#: Joints of a leg in `Gait.angles`: hip, knee and ankle turn by the angles between their links.
+JOINTS = ("hip", "knee", "ankle")
+SIDES = ("left", "right")
+
+
+def named_by_side() -> dict[str, str]:
+    """Names of joints as in the biped that comes with footopt: left_hip is the left hip, and so on."""
+    return {f"{side}_{joint}": f"{side} {joint}" for side, joint in product(SIDES, JOINTS)}
+
+
+@dataclass(frozen=True)
+class Tracker:
+    """Servos whose joints follow a gait.
+
+    Every joint needs one position servo, an actuator with a gain and a bias of -gain times its angle
+    (MuJoCo's ``position``). One that damps the joint's rate is told where the joint is going, so that it
+    damps the error's rate alone.
+
+    Parameters
+    ----------
+    gait : Gait
+        Its first stance begins at `Gait.start`, before which the robot stands.
+    joints : mapping of str to str
+        By name of the model's joint: "left hip", "right knee" and so on, with a minus before it where the
+        joint turns the other way (a hip is positive forward, a knee bent backward is negative, an ankle
+        is positive toe up). A joint of the model is not needed; the others hold still.
+
+    Raises
+    ------
+    SettingError
+        A joint is none of a gait.
+    """
+
+    gait: Gait = field(default_factory=Gait.human)
+    joints: Mapping[str, str] = field(default_factory=named_by_side, hash=False)
+
+    def __post_init__(self) -> None:
+        known = [f"{side} {joint}" for side, joint in product(SIDES, JOINTS)]
+        for name, angle in self.joints.items():
+            check(angle.removeprefix("-") in known, f"joints.{name}", angle, f"one of {', '.join(known)}")
+
+    @property
+    def after(self) -> float:
+        """The first heel strike, s."""
+        return self.gait.heel_strike
+
+    @property
+    def duration(self) -> float:
+        """Two strides after the start, s."""
+        return self.gait.start + 2.0 * self.gait.period
+
+    def angles(self, name: str, t: Array) -> tuple[Array, Array]:
+        """A joint's angles, rad, and their rates, rad/s, at times t (T,)."""
+        (thigh, thigh_rate), (shank, shank_rate), (pitch, pitch_rate) = self.gait.angles(t)
+        angle = self.joints[name]
+        side, joint = angle.removeprefix("-").split()
+        links, rates = (0.0, thigh, shank, pitch), (0.0, thigh_rate, shank_rate, pitch_rate)
+        i, foot, sign = JOINTS.index(joint), SIDES.index(side), -1.0 if angle.startswith("-") else 1.0
+        turned, rate = (sign * np.asarray(of[i + 1] - of[i])[:, foot] for of in (links, rates))
+        return turned, rate
+
+    def joints_of(self, model: Any) -> dict[int, str]:
+        """Names of the joints that are followed by the actuators that turn them."""
+        found = {}
+        for name in self.joints:
+            row = [i for i in range(model.njnt) if model.joint(i).name == name]
+            if not row:
+                names = ", ".join(model.joint(i).name for i in range(model.njnt))
+                raise SettingError("joints", name, f"a joint of the model: {names}")
+            acts = np.flatnonzero((model.actuator_trntype == 0) & (model.actuator_trnid[:, 0] == row[0]))
+            servo = len(acts) == 1 and model.actuator_biastype[acts[0]] == 1
+            check(servo, "joints", name, "turned by one position servo", "Or take a controller of your own.")
+            found[int(acts[0])] = name
+        return found
+
+    def commands(self, model: Any, t: Array) -> Array:
+        """What the actuators are told at times t, (T, nu)."""
+        table = np.zeros((len(t), model.nu))
+        for act, name in self.joints_of(model).items():
+            angle, rate = self.angles(name, t)
+            gain, damping = model.actuator_gainprm[act, 0], -model.actuator_biasprm[act, 2]
+            table[:, act] = angle + damping / gain * rate
+        return table
+
+    def targets(self, model: Any, t: Array) -> dict[int, Array]:
+        """Where joints should be at times t, rad, (T,) each, by actuator."""
+        return {act: self.angles(name, t)[0] for act, name in self.joints_of(model).items()}
+
+
+@dataclass(frozen=True, eq=False)
+class Commands:
+    """A table of what actuators are told over time, linear between its rows and repeated after the last.
+
+    Parameters
+    ----------
+    t : (T,), s
+        From 0 on.
+    table : mapping of str to (T,)
+        By name of the actuator. Those that are not in it are told 0.
+    after : float, s
+        When the robot walks: falls of its speed and peaks of power count from then on.
+    """
+
+    t: Array
+    table: Mapping[str, Array]
+    after: float = 0.0
+
+    def __post_init__(self) -> None:
+        t = np.asarray(self.t, float)
+        rising = t.ndim == 1 and len(t) > 1 and t[0] == 0.0 and bool(np.all(np.diff(t) > 0.0))
+        check(rising, "commands.t", self.t, "two times or more that rise from 0, in s")
+        object.__setattr__(self, "t", t)
+        object.__setattr__(self, "table", {n: np.asarray(v, float) for n, v in self.table.items()})
+        for name, values in self.table.items():
+            good = values.shape == t.shape and bool(np.isfinite(values).all())
+            check(good, f"commands.{name}", values, f"{len(t)} finite numbers, one for each time")
+
+    @property
+    def duration(self) -> float:
+        """Until the table's end, s."""
+        return float(self.t[-1])
+
+    def commands(self, model: Any, t: Array) -> Array:
+        """What the actuators are told at times t, (T, nu)."""
+        names, told = [model.actuator(i).name for i in range(model.nu)], np.zeros((len(t), model.nu))
+        for name, values in self.table.items():
+            check(name in names, "commands", name, f"an actuator of the model: {', '.join(names)}")
+            told[:, names.index(name)] = np.interp(t % self.t[-1], self.t, values)
+        return told
+
+
+@dataclass(frozen=True)
+class FunctionController:
+    """A function that sets ``data.ctrl`` before each step, from the model and its data: slow, as all Python.
+
+    Parameters
+    ----------
+    function : callable
+        With (model, data). Walks on several threads call it, and it may keep nothing between calls.
+    """
+
+    function: Callable[[Any, Any], object] = field(compare=False)
+    after: float = 0.0
+    duration: float | None = None
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "name", getattr(self.function, "__qualname__", repr(self.function)))
+
+
+Controller: TypeAlias = Tracker | Commands | FunctionController

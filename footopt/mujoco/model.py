@@ -1,0 +1,158 @@
+"""A robot's model for walks on sand: what touches nothing but sand, and what is measured in every step."""
+
+from __future__ import annotations
+
+import copy
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from footopt.errors import SettingError, check, needed
+
+Array = NDArray[np.float64]
+
+BIPED = Path(__file__).with_name("biped.xml")
+#: Sensors that are added: place and velocity of the robot's centre of mass, and the root's upright axis.
+COM, VELOCITY, UPRIGHT = "footopt_com", "footopt_velocity", "footopt_upright"
+#: Of each actuator: force, speed and place of its joint.
+ACTUATOR = ("footopt_force_", "footopt_speed_", "footopt_place_")
+FLOORS = ("mjGEOM_PLANE", "mjGEOM_HFIELD")
+
+
+@dataclass(frozen=True)
+class Model:
+    """A compiled model, which is compared by what it holds."""
+
+    digest: str
+    compiled: Any = field(compare=False, repr=False)
+    feet: tuple[str, ...] = ()
+    mujoco: str = ""  # its version
+
+    @classmethod
+    def read(cls, source: Any, feet: Sequence[str]) -> Model:
+        """A model that stands on sand.
+
+        The feet touch nothing, and floors are taken out of collisions: sand is in their place. Geoms of the
+        feet stay as they are else, with their mass, inertia and looks.
+
+        Parameters
+        ----------
+        source : str, Path or mujoco.MjSpec
+            A file of MJCF or URDF, MJCF as text, or a specification, which is not changed.
+        feet : sequence of str
+            Names of the bodies that are feet.
+
+        Raises
+        ------
+        SettingError
+            MuJoCo does not compile it, a foot is no body of it, or no joint lets it sink.
+        MissingError
+            There is no MuJoCo: ``pip install "footopt[mujoco]"``.
+        """
+        mujoco = needed("mujoco", "fo.mujoco.Robot", "mujoco")
+        what = str(source) if isinstance(source, Path) or "<" not in str(source) else "MJCF"
+        try:
+            spec = _spec(mujoco, source)
+            bodies = {body.name: body for body in spec.bodies}
+            for name in feet:
+                if name not in bodies or name == "world":
+                    names = ", ".join(name for name in bodies if name and name != "world")
+                    raise SettingError("robot.feet", name, f"the name of a body: {names}")
+            for geom in spec.geoms:
+                floor = geom.parent.name == "world" and geom.type in _floors(mujoco)
+                if floor or geom.parent.name in feet:
+                    geom.contype = geom.conaffinity = 0
+            _measure(mujoco, spec, bodies[feet[0]])
+            model = spec.compile()
+        except (ValueError, OSError) as error:  # what MuJoCo says of a model that it cannot read
+            raise SettingError("robot.model", what, "a model that MuJoCo compiles", str(error)) from None
+        content = np.empty(mujoco.mj_sizeModel(model), np.uint8)
+        mujoco.mj_saveModel(model, None, content)
+        made = cls(hashlib.sha256(content.tobytes()).hexdigest(), model, tuple(feet), mujoco.__version__)
+        made.height_address()
+        return made
+
+    def at(self, dt: float) -> Any:
+        """It with a time step, s."""
+        return _at(self, dt)
+
+    def sensor(self, name: str) -> slice:
+        """Columns of a sensor that was added."""
+        found = self.compiled.sensor(name)
+        return slice(int(found.adr[0]), int(found.adr[0] + found.dim[0]))
+
+    def of_actuators(self, prefix: str) -> list[int]:
+        """Columns of what is measured of each actuator, a name of `ACTUATOR`."""
+        return [self.sensor(f"{prefix}{i}").start for i in range(self.compiled.nu)]
+
+    def height_address(self) -> int:
+        """The place in qpos of the robot's height: of a free joint, or of one that slides upward."""
+        m, free, slide = self.compiled, 0, 2
+        root = m.body_rootid[m.body(self.feet[0]).id]
+        for joint in np.flatnonzero(m.jnt_bodyid == root):
+            if m.jnt_type[joint] == free:
+                return int(m.jnt_qposadr[joint]) + 2
+            if m.jnt_type[joint] == slide and m.jnt_axis[joint, 2] == 1.0:
+                return int(m.jnt_qposadr[joint])
+        name = m.body(root).name
+        raise SettingError(
+            "robot.model", name, "a body with a free joint, or with one that slides along z", "Add one."
+        )
+
+    def chains(self) -> list[list[int]]:
+        """Of each foot the bodies from the root to it."""
+        m, found = self.compiled, []
+        for name in self.feet:
+            chain = [int(m.body(name).id)]
+            while m.body_parentid[chain[0]] != 0:
+                chain.insert(0, int(m.body_parentid[chain[0]]))
+            found.append(chain)
+        return found
+
+
+@lru_cache(maxsize=16)
+def _at(model: Model, dt: float) -> Any:
+    """A copy with a time step."""
+    found = copy.copy(model.compiled)
+    found.opt.timestep = dt
+    return found
+
+
+def _spec(mujoco: Any, source: Any) -> Any:
+    """A specification that may be changed."""
+    if isinstance(source, mujoco.MjSpec):
+        return source.copy()
+    text = str(source)
+    if "<" in text:
+        return mujoco.MjSpec.from_string(text)
+    check(Path(text).is_file(), "robot.model", text, "a file, MJCF as text, or a mujoco.MjSpec")
+    return mujoco.MjSpec.from_file(text)
+
+
+def _floors(mujoco: Any) -> list[Any]:
+    return [getattr(mujoco.mjtGeom, name) for name in FLOORS]
+
+
+def _measure(mujoco: Any, spec: Any, foot: Any) -> None:
+    """Add the sensors."""
+    root = foot
+    while root.parent is not None and root.parent.name != "world":
+        root = root.parent
+    kind, thing = mujoco.mjtSensor, mujoco.mjtObj
+    whole = {"objtype": thing.mjOBJ_BODY, "objname": "world"}
+    spec.add_sensor(name=COM, type=kind.mjSENS_SUBTREECOM, **whole)
+    spec.add_sensor(name=VELOCITY, type=kind.mjSENS_SUBTREELINVEL, **whole)
+    upright = {"objtype": thing.mjOBJ_XBODY, "objname": root.name}
+    spec.add_sensor(name=UPRIGHT, type=kind.mjSENS_FRAMEZAXIS, **upright)
+    kinds = kind.mjSENS_ACTUATORFRC, kind.mjSENS_ACTUATORVEL, kind.mjSENS_ACTUATORPOS
+    for i, actuator in enumerate(spec.actuators):
+        actuator.name = actuator.name or f"actuator_{i}"
+        of = {"objtype": thing.mjOBJ_ACTUATOR, "objname": actuator.name}
+        for prefix, measured in zip(ACTUATOR, kinds, strict=True):
+            spec.add_sensor(name=f"{prefix}{i}", type=measured, **of)

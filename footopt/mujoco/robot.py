@@ -1,0 +1,331 @@
+"""A robot in MuJoCo as a simulator: `fo.simulate`, `fo.evaluate`, `fo.search` take it as a scene."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from typing import Any, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from footopt.effects.base import Effect, ordered, reshaping
+from footopt.errors import check, check_kind, check_whole
+from footopt.foot import Foot, Plates, Waypoints
+from footopt.gait import Gait
+from footopt.gait.gait import Pose
+from footopt.mujoco.controllers import Controller, FunctionController, Tracker
+from footopt.mujoco.model import BIPED, Model
+from footopt.mujoco.walking import AXES, MEASURED, Job, bristles_in_world, done, poses, walk
+from footopt.sand import Sand
+from footopt.walk.accuracy import Accuracy, Tolerance
+from footopt.walk.batch import at_once
+from footopt.walk.ladder import Found, Rung, climb, probes
+from footopt.walk.objectives import FIVE, OBJECTIVES, by_name
+from footopt.walk.results import Walk
+from footopt.walk.scene import Scene, Walker
+from footopt.walk.simulator import Simulator, Walked
+
+Array = NDArray[np.float64]
+
+HALVINGS = 6  # of a model's time step, at most, for an accuracy
+
+
+@dataclass(frozen=True)
+class Robot(Simulator):
+    """A robot in MuJoCo, whose feet are designed.
+
+    The sole that walks replaces what its feet touch the ground with: a foot's `Foot.ankle` is the origin of
+    its body, with x forward and z up. All else of the model stays, the feet's mass and inertia, too.
+
+    Parameters
+    ----------
+    model : str, Path or mujoco.MjSpec
+        Its MJCF or URDF as a file, MJCF as text, or a specification; by default a planar biped of 60 kg.
+    feet : sequence of str
+        Names of the bodies that are feet.
+    controller : Tracker, Commands or callable
+        What tells its actuators what to do. A function ``controller(model, data)`` sets ``data.ctrl`` before
+        each step, from nothing but what it is given.
+    sand : Sand
+        The hard one by default.
+    effects : sequence of Effect
+        As in a `Scene`.
+    duration : float, s, optional
+        Of a walk; by default the controller's.
+    after : float, s, optional
+        From when on peaks of power and falls of speed count; by default from the controller's first step on.
+    key : str, optional
+        Name of the keyframe that it starts from; by default the model's own places, with the joints of a
+        `Tracker` at the angles of its beginning. It starts where sand carries its weight.
+    lowest : float
+        It has fallen where its centre of mass is lower than so many times its height at the start.
+    tilt : float, rad
+        Or where its root is inclined by more, against the start.
+    plates : int
+        Of a sole, as `Contact` has them.
+
+    Raises
+    ------
+    SettingError
+        MuJoCo does not compile the model, a name is not in it, or a number is not allowed.
+    MissingError
+        There is no MuJoCo: ``pip install "footopt[mujoco]"``.
+    """
+
+    model: Any = BIPED
+    feet: Sequence[str] = ("left_foot", "right_foot")
+    controller: Any = field(default_factory=Tracker)
+    sand: Sand = field(default_factory=lambda: Sand.named("hard"))
+    effects: Sequence[Effect] = ()
+    duration: float | None = None
+    after: float | None = None
+    key: str | None = None
+    lowest: float = 0.6
+    tilt: float = 1.0
+    plates: int = 64
+
+    def __post_init__(self) -> None:
+        put, feet = object.__setattr__, (self.feet,) if isinstance(self.feet, str) else tuple(self.feet)
+        check(len(feet) > 0, "robot.feet", list(feet), "one body, or several")
+        check_kind(self.sand, Sand, "sand", 'Try fo.Sand.named("hard")')
+        put(self, "feet", feet)
+        put(self, "effects", ordered(tuple(self.effects)))
+        if not isinstance(self.model, Model) or self.model.feet != feet:
+            check(not isinstance(self.model, Model), "robot.feet", list(feet), "those of its model")
+            put(self, "model", Model.read(self.model, feet))
+        if not isinstance(self.controller, get_args(Controller)):
+            check(
+                callable(self.controller), "robot.controller", self.controller, "a controller or a function"
+            )
+            put(self, "controller", FunctionController(self.controller))
+        for name in ("duration", "after"):
+            if getattr(self, name) is None:
+                put(self, name, getattr(self.controller, name))
+        known = self.duration is not None and 0.0 < self.duration <= 1e5
+        check(known, "robot.duration", self.duration, "a time > 0 and <= 1e5, in s")
+        allowed = f"a time >= 0 and < {self.duration:g}, robot.duration, in s"
+        check(0.0 <= self._after < self._end, "robot.after", self.after, allowed)
+        check(0.0 < self.lowest < 1.0, "robot.lowest", self.lowest, "a number between 0 and 1")
+        check(0.0 < self.tilt <= math.pi, "robot.tilt", self.tilt, "an angle > 0 and <= pi, in rad")
+        check_whole(self.plates, "robot.plates", 4, 4096, "An even one.")
+        if self._told:
+            self.controller.commands(self.model.compiled, np.zeros(1))  # names its faults
+        if self.key is not None:
+            m = self.model.compiled
+            names = [m.key(i).name for i in range(m.nkey)]
+            check(
+                self.key in names, "robot.key", self.key, f"a keyframe: {', '.join(names) or 'it has none'}"
+            )
+
+    @property
+    def _told(self) -> bool:
+        """Whether its commands are known before it walks."""
+        return not isinstance(self.controller, FunctionController)
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """What its walks measure."""
+        return MEASURED + ("tracking_error",) * hasattr(self.controller, "targets")
+
+    @property
+    def weight(self) -> float:
+        """Of all its bodies, N."""
+        return float(self.model.compiled.body_mass.sum()) * self.g
+
+    @property
+    def title(self) -> str:
+        """Where it walks."""
+        return f"{self.sand.name} sand, {self.body}"
+
+    @property
+    def body(self) -> str:
+        """It in a few words."""
+        return f"a robot of {self.weight / self.g:.3g} kg"
+
+    @property
+    def planar(self) -> Scene:
+        """Its sand and effects, and its gravity, as those of a `Scene`."""
+        gait = self.controller.gait if isinstance(self.controller, Tracker) else Gait.human()
+        walker = Walker(mass=self.weight / self.g, g=self.g)
+        return Scene(self.sand, gait, walker, self.duration, tuple(self.effects))
+
+    @property
+    def g(self) -> float:
+        """Gravity, m/s^2."""
+        return float(np.linalg.norm(self.model.compiled.opt.gravity))
+
+    @property
+    def strikes(self) -> Array:
+        """Heel strikes of a gait that it tracks, s."""
+        tracks = isinstance(self.controller, Tracker)
+        return self.controller.gait.heel_strikes(self._end) if tracks else np.empty(0)
+
+    @property
+    def stride(self) -> float:
+        """Duration of a stride of that gait, s; of a walk where there is none."""
+        return self.controller.gait.period if isinstance(self.controller, Tracker) else self._end
+
+    @property
+    def holds(self) -> bool:
+        """Whether its sand holds what stands."""
+        return True
+
+    @property
+    def about(self) -> str:
+        """What walks, in a line."""
+        m, told = self.model.compiled, type(self.controller).__name__
+        if isinstance(self.controller, Tracker):
+            told = f"servos that track gait {self.controller.gait.name}, stride {self.stride:.4g} s"
+        return f"Robot: {m.body_mass.sum():.3g} kg, feet {', '.join(self.feet)}; {told}"
+
+    def entry(self) -> dict[str, Any]:
+        """What it is, for result.json."""
+        return {
+            "simulator": "mujoco",
+            "model": self.model.digest,
+            "mass_kg": float(self.model.compiled.body_mass.sum()),
+            "feet": list(self.feet),
+            "controller": type(self.controller).__name__,
+            "duration_s": self.duration,
+        }
+
+    def plates_of(self, foot: Foot) -> Plates:
+        """The plates of a sole, as many as each of its lines has."""
+        return foot.plates(self.plates // 2, directed=True, fill=reshaping(tuple(self.effects)))
+
+    def own(self) -> tuple[Any, ...]:
+        """The controller, if it is a function, and laws of effects."""
+        laws = [effect.law for effect in self.effects if effect.law is not None]
+        return (*([] if self._told else [self.controller.function]), *map(type, laws))
+
+    def need_heel_strike(self) -> None:
+        """Raise unless it gets through its first steps in the air, so that what fails later is the sand's."""
+        dt = self.model.compiled.opt.timestep
+        found = walk(replace(self, lowest=1e-9, tilt=math.pi), None, dt, min(200 * dt, self._end))
+        why = "a model that is stable in the air"
+        check(found.reason != "diverged", "robot.model", self.title, why, "Try a shorter timestep.")
+
+    @property
+    def _end(self) -> float:
+        return float(self.duration or 0.0)
+
+    @property
+    def _after(self) -> float:
+        return float(self.after or 0.0)
+
+    # --- a simulator ----------------------------------------------------------------------------------
+
+    def ladder(self, of: Tolerance, soles: Waypoints | tuple[Foot, ...]) -> tuple[Accuracy, Found]:
+        """The longest time step that meets a tolerance, halved from that of the model (`walk.ladder`)."""
+        return _ladder(replace(of, name="", refinements=0), self, soles, of.refinements)
+
+    def walk(self, feet: Sequence[Foot], accuracy: Accuracy, threads: int | None = None) -> Walked:
+        """Walk with some feet."""
+        workers = min(at_once(threads), len(feet)) if self._told else 1
+        one = [Job(self, foot, accuracy.dt, self._end) for foot in feet]
+        if workers > 1:
+            with ThreadPoolExecutor(workers) as pool:
+                found = list(pool.map(done, one))
+        else:
+            found = list(map(done, one))
+        raw = np.array([[each.totals.get(name, np.nan) for name in self.quantities] for each in found])
+        raw = raw.reshape(-1, len(self.quantities))
+        reasons = np.array([each.reason for each in found], np.str_)
+        return Walked(raw, reasons, np.array([each.evaluations for each in found], np.int64))
+
+    def trace(self, foot: Foot, accuracy: Accuracy) -> RobotWalk:
+        """Walk with one foot, keeping full traces."""
+        found = walk(self, foot, accuracy.dt, self._end, traced=True)
+        end = len(found.t)
+        joints, turned = poses(self, accuracy.dt, found.states[:end])
+        return RobotWalk(
+            foot=foot,
+            scene=self,
+            accuracy=accuracy,
+            t=found.t,
+            com=found.com[1 : end + 1, AXES],
+            velocity=found.velocity[1 : end + 1, AXES],
+            force=found.sand[:end, :, AXES],
+            power=found.sand[:end, :, 3],
+            work=found.sand[:end, :, 4],
+            start=found.com[0, AXES],
+            bristles=bristles_in_world(found.bristles[:end], turned),
+            reason=found.reason,
+            totals={name: found.totals.get(name, math.nan) for name in self.quantities},
+            evaluations=found.evaluations,
+            rescues=0,
+            shortened=0,
+            repeats=0,
+            joints=joints,
+            turned=turned,
+        )
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class RobotWalk(Walk):
+    """A walk of a robot: traces at the end of every step.
+
+    Parameters
+    ----------
+    joints : (T, feet, bodies, 2), m
+        Of each leg, places of its bodies from the root to the foot, in x and z.
+    turned : (T, feet), rad
+        Pitch of the feet, positive toe up.
+    """
+
+    joints: Array = field(default_factory=lambda: np.empty((0, 0, 0, 2)))
+    turned: Array = field(default_factory=lambda: np.empty((0, 0)))
+
+    @property
+    def world(self) -> Scene:
+        """The sand of the walk, its effects, and gravity."""
+        found: Scene = self.scene.planar
+        return found
+
+    def pose(self, index: ArrayLike) -> Pose:
+        """Feet from the centre of mass at some samples."""
+        i, place = np.asarray(index), self.joints[:, :, -1] - self.com[:, None]
+        along, rate = (np.gradient(of, self.t, axis=0) for of in (place, self.turned))
+        x, z, vx, vz = (of[i][..., axis] for of in (place, along) for axis in range(2))
+        return Pose(x, z, vx, vz, self.turned[i], rate[i])
+
+    def legs(self, t: ArrayLike) -> Array:
+        """Places of the bodies of each leg at times (M,), (M, feet, bodies, 2), m."""
+        return self._at(self.joints, t)
+
+    def pitch(self, t: ArrayLike) -> Array:
+        """Pitch of the feet at times (M,): (M, feet), rad."""
+        return self._at(self.turned, t)
+
+    def _at(self, traced: Array, t: ArrayLike) -> Array:
+        """A trace at times, linear between its samples."""
+        each = [
+            np.interp(np.asarray(t, float), self.t, column) for column in traced.reshape(len(self.t), -1).T
+        ]
+        return np.stack(each, axis=-1).reshape(-1, *traced.shape[1:])
+
+    @property
+    def sole(self) -> Plates:
+        plates: Plates = self.scene.plates_of(self.foot)
+        return plates
+
+
+@lru_cache(maxsize=64)
+def _ladder(of: Tolerance, robot: Robot, soles: Any, refinements: int) -> tuple[Accuracy, Found]:
+    """The end of the ladder of time steps for a space or some feet."""
+    own = float(robot.model.compiled.opt.timestep)
+    feet = [Foot.from_waypoints(k, soles) for k in probes(soles)] if isinstance(soles, Waypoints) else soles
+
+    def walked(rung: Rung) -> tuple[Array, float]:
+        dt = of.dt or own / 2**rung.time
+        found = robot.walk(feet, Accuracy(dt=dt))
+        raw = by_name(np.where(found.reasons[:, None] == "", found.raw, np.nan), robot.quantities)
+        return np.stack([OBJECTIVES[name].value(raw, robot) for name in FIVE], axis=1), 1.0 / dt
+
+    found = climb(walked, Rung(0 if of.dt else HALVINGS), of.error)
+    dt = of.dt or own / 2 ** (found.rung.time + refinements)
+    return Accuracy(dt=dt, plates=robot.plates), found

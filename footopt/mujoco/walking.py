@@ -1,0 +1,202 @@
+"""One walk of a robot in MuJoCo: where it starts, its steps, and what they come to."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from footopt.errors import SettingError, needed
+from footopt.foot import Foot
+from footopt.gait.gait import Pose
+from footopt.mujoco.attaching import Contact
+from footopt.mujoco.controllers import Tracker
+from footopt.mujoco.model import ACTUATOR, COM, UPRIGHT, VELOCITY, Model
+from footopt.walk.objectives import FIVE
+from footopt.walk.plates import plate_states
+
+Array = NDArray[np.float64]
+
+#: What a walk measures, beside how well servos follow.
+MEASURED = (*FIVE, "joint_work", "torque", "survival", "maximum_sinkage", "peak_vertical_force")
+SLOW = 1e-6  # m/s, of what sinks at 1 m/s
+AXES = [0, 2]  # x and z of three
+
+
+class Job(NamedTuple):
+    robot: Any
+    foot: Foot
+    dt: float
+    end: float
+
+
+class Found(NamedTuple):
+    """What a walk leaves: until it fails, if it does."""
+
+    totals: dict[str, float]
+    reason: str
+    evaluations: int
+    t: Array  # (T,), s: ends of steps
+    com: Array  # (T + 1, 3), m: beginnings, and the end
+    velocity: Array  # (T + 1, 3), m/s
+    sand: Array  # (T, feet, `step.TRACED`)
+    states: Array  # (T, states)
+    bristles: Array  # (T, feet, 3, faces), in the feet's own axes; empty unless they are traced
+
+
+def done(job: Job) -> Found:
+    return walk(*job)
+
+
+def walk(robot: Any, foot: Foot | None, dt: float, end: float, traced: bool = False) -> Found:
+    """Walk with a foot, None in the air, in steps of dt at most, s."""
+    mujoco = needed("mujoco", "fo.mujoco.Robot", "mujoco")
+    steps = max(1, math.ceil(end / dt - 1e-9))
+    model, kind = robot.model.at(end / steps), mujoco.mjtState.mjSTATE_FULLPHYSICS
+    data = mujoco.MjData(model)
+    sole = start(robot, model, data, foot)
+    contact, sensed, states = None, np.empty((steps + 1, model.nsensordata)), None
+    if sole:
+        contact = Contact(model, data, sole, robot.sand, robot.effects, robot.plates, steps + 1, traced)
+    t = end / steps * np.arange(steps + 1, dtype=np.float64)
+    try:
+        if robot._told:
+            from mujoco import rollout
+
+            first = np.empty(mujoco.mj_stateSize(model, kind))
+            mujoco.mj_getState(model, data, first, kind)
+            told = commands_at(robot.controller, robot.model, t.tobytes())
+            found = rollout.rollout(model, data, first[None], told[None])
+            states, sensed = (np.asarray(a[0], float) for a in found)
+        else:
+            states = np.empty((steps + 1, mujoco.mj_stateSize(model, kind)))
+            for n in range(steps + 1):
+                robot.controller.function(model, data)
+                mujoco.mj_step(model, data)
+                sensed[n] = data.sensordata
+                mujoco.mj_getState(model, data, states[n], kind)
+        counts = contact.counts if contact else {"evaluations": 0, "failures": 0, "restarts": 1}
+        sand = contact.trace[:steps] if contact else np.zeros((steps, len(robot.feet), 6))
+        bristles = np.stack([contact.bristles(name)[:steps] for name in sole], axis=1) if contact else sand
+    finally:
+        if contact:
+            contact.detach()
+    return judged(robot, t, sensed, sand, states, counts)._replace(bristles=bristles)
+
+
+def start(robot: Any, model: Any, data: Any, foot: Foot | None) -> dict[str, Foot]:
+    """Put a robot where it starts; its soles by name of the body."""
+    mujoco = needed("mujoco", "fo.mujoco.Robot", "mujoco")
+    if robot.key is not None:
+        mujoco.mj_resetDataKeyframe(model, data, model.key(robot.key).id)
+    elif isinstance(robot.controller, Tracker):
+        for name in robot.controller.joints:
+            data.qpos[model.joint(name).qposadr[0]] = robot.controller.angles(name, np.zeros(1))[0][0]
+    if foot is None:
+        data.qpos[robot.model.height_address()] += 100.0
+        return {}
+    mujoco.mj_kinematics(model, data)
+    data.qpos[robot.model.height_address()] += rise(robot, data, foot)
+    return dict.fromkeys(robot.feet, foot)
+
+
+def rise(robot: Any, data: Any, foot: Foot) -> float:
+    """By how much a robot has to be lifted for the limit force of sinking on its feet to carry it, m."""
+    rows = [robot.model.compiled.body(name).id for name in robot.feet]
+    x, z = data.xpos[rows][:, AXES].T
+    pitch, none = np.arctan2(data.xmat[rows, 6], data.xmat[rows, 0]), np.zeros((1, len(rows)))
+    pose = Pose(x[None], z[None], none, none, pitch[None], none)
+    level = tuple(effect for effect in robot.effects if effect.law is None or not hasattr(effect.law, "push"))
+    scene, plates = replace(robot.planar, effects=level), robot.plates_of(foot)
+    c, s = np.cos(pitch)[:, None], np.sin(pitch)[:, None]
+    low = float(np.min(z[:, None] + s * plates.x[0] + c * plates.z[0]))
+
+    def missing(lift: float) -> float:
+        at = np.array([[0.0, lift]])
+        states = plate_states(plates, pose, at, np.array([[0.0, -1.0]]), scene, SLOW)
+        return float(states.total[..., 1].sum() - robot.weight)
+
+    deep = 0.01
+    while missing(-low - deep) < 0.0:
+        if (deep := 2.0 * deep) > 100.0:
+            raise SettingError("sand.zeta", robot.sand.zeta, "one that carries the robot", "Or wider feet.")
+    return float(brentq(missing, -low - deep, -low, xtol=1e-9))
+
+
+@lru_cache(maxsize=32)
+def commands_at(controller: Any, model: Model, t: bytes) -> Array:
+    """Commands at times, and what each actuator should reach."""
+    told: Array = controller.commands(model.compiled, np.frombuffer(t))
+    return told
+
+
+@lru_cache(maxsize=32)
+def targets_at(controller: Any, model: Model, t: bytes) -> dict[int, Array]:
+    found: dict[int, Array] = controller.targets(model.compiled, np.frombuffer(t))
+    return found
+
+
+def judged(robot: Any, t: Array, sensed: Array, sand: Array, states: Array, counts: dict[str, int]) -> Found:
+    """Objectives of a walk from what was measured at the beginnings of its steps, and at its end."""
+    model, steps = robot.model, len(t) - 1
+    com, velocity, upright = (sensed[:, model.sensor(name)] for name in (COM, VELOCITY, UPRIGHT))
+    force, speed, place = (sensed[:, model.of_actuators(prefix)] for prefix in ACTUATOR)
+    lost = ~np.isfinite(com).all(axis=1) | ~np.isfinite(states).all(axis=1)
+    reason, end = "", steps
+    if lost.any() or counts["restarts"] > 1 or counts["failures"]:
+        reason, end = "diverged", int(np.argmax(lost)) if lost.any() else steps
+    lean = np.einsum("ni,i->n", upright, upright[0])
+    down = (com[:, 2] < robot.lowest * com[0, 2]) | (lean < math.cos(robot.tilt))
+    if down[: end + 1].any():
+        reason, end = "fallen", max(int(np.argmax(down)) - 1, 0)
+    totals = {"survival": float(t[end])}
+    if not reason and com[-1, 0] <= com[0, 0]:
+        reason = "backward"
+    if not reason:
+        late, power = t >= robot._after - 1e-9, np.maximum(force * speed, 0.0).sum(axis=1)
+        v = velocity[late, 0]
+        totals |= {
+            "distance": com[-1, 0] - com[0, 0],
+            "mean_height": np.trapezoid(com[:, 2], t) / t[-1],
+            "work": abs(sand[-1, :, 4].sum()),
+            "peak_power": np.abs(sand[late[1:], :, 3]).max(),
+            "speed_loss": (np.maximum.accumulate(v) - v).max(),
+            "joint_work": np.trapezoid(power, t),
+            "torque": np.abs(force).max(initial=0.0),
+            "maximum_sinkage": sand[..., 5].max(),
+            "peak_vertical_force": sand[..., 2].sum(axis=1).max(),
+        }
+        if hasattr(robot.controller, "targets"):
+            wanted = targets_at(robot.controller, model, t.tobytes())
+            missed = [place[:, act] - target for act, target in wanted.items()]
+            totals["tracking_error"] = np.sqrt(np.mean(np.square(missed))) if missed else 0.0
+    found = {name: float(value) for name, value in totals.items()}
+    return Found(found, reason, counts["evaluations"], t[1 : end + 1], com, velocity, sand, states, sand)
+
+
+def poses(robot: Any, dt: float, states: Array) -> tuple[Array, Array]:
+    """Places of the bodies of each leg, and the feet's pitch, after each step."""
+    mujoco = needed("mujoco", "fo.mujoco.Robot", "mujoco")
+    model, chains = robot.model.at(dt), robot.model.chains()
+    data, long = mujoco.MjData(model), max(map(len, chains))
+    joints = np.empty((len(states), len(chains), long, 2))
+    turned = np.empty((len(states), len(chains)))
+    rows = np.array([[chain[0]] * (long - len(chain)) + chain for chain in chains])
+    for n, state in enumerate(states):
+        mujoco.mj_setState(model, data, state, mujoco.mjtState.mjSTATE_FULLPHYSICS)
+        mujoco.mj_kinematics(model, data)
+        joints[n] = data.xpos[rows][..., AXES]
+        turned[n] = np.arctan2(data.xmat[rows[:, -1], 6], data.xmat[rows[:, -1], 0])
+    return joints, turned
+
+
+def bristles_in_world(h: Array, turned: Array) -> NDArray[np.float32]:
+    """Bristles (T, feet, plates, 2) in x and z, the mean of both lines of plates, of those in feet's axes."""
+    x, z = (h[:, :, axis].reshape(*h.shape[:2], 2, -1).mean(axis=2) for axis in AXES)
+    c, s = np.cos(turned)[..., None], np.sin(turned)[..., None]
+    return np.stack([c * x - s * z, s * x + c * z], axis=-1).astype(np.float32)

@@ -1,0 +1,169 @@
+"""What walks with a foot: the seam between simulations and all that searches, judges and draws them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from footopt.effects.base import Effect
+from footopt.errors import SettingError, check
+from footopt.foot import Foot, Waypoints
+from footopt.sand import Sand
+from footopt.sand.law import EARTH
+from footopt.walk.accuracy import Accuracy, Tolerance
+
+Array = NDArray[np.float64]
+
+
+class Walked(NamedTuple):
+    """Feet that have walked, a row each."""
+
+    raw: Array  # (feet, quantities), NaN for a walk that failed, but for what is known of it
+    reasons: NDArray[np.str_]  # why a walk failed, or ""
+    evaluations: NDArray[np.int64]  # of the contact
+
+
+class Simulator:
+    """What walks with a foot: a robot, or a function. `Scene`, the planar walker, is built in.
+
+    `footopt.simulate`, `footopt.evaluate`, `FootProblem` and all that is made of them take either. A class
+    that inherits from it is a frozen dataclass: a store keeps the fields that it is compared by.
+    """
+
+    #: Whether it can keep traces: `trace`.
+    traces: ClassVar[bool] = True
+    #: The quantity that `cost_of_transport` counts, J.
+    transport: ClassVar[str] = "joint_work"
+    #: The sand that it walks on and effects, where it has any.
+    sand: Sand | None = None
+    effects: Sequence[Effect] = ()
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """Names of what `walk` measures; objectives are functions of these (`footopt.walk.objectives`)."""
+        return ()
+
+    @property
+    def weight(self) -> float:
+        """What is carried, N."""
+        return math.nan
+
+    @property
+    def g(self) -> float:
+        """Gravity, m/s^2."""
+        return EARTH
+
+    @property
+    def body(self) -> str:
+        """What walks, in a few words, such as "a robot of 60 kg"."""
+        return ""
+
+    def walk(self, feet: Sequence[Foot], accuracy: Accuracy, threads: int | None = None) -> Walked:
+        """Walk with some feet.
+
+        Parameters
+        ----------
+        feet : sequence of Foot
+            A walk's result does not depend on the others.
+        accuracy : Accuracy
+            As `ladder` has found it.
+        threads : int, optional
+            How many to use; by default as many as the process may run on.
+        """
+        raise NotImplementedError
+
+    def trace(self, foot: Foot, accuracy: Accuracy) -> Any:
+        """Walk with one foot, keeping full traces: a `footopt.Walk`."""
+        raise SettingError("simulator", self.title, "one that keeps traces of a walk", "Try fo.evaluate.")
+
+    def ladder(self, of: Tolerance, soles: Waypoints | tuple[Foot, ...]) -> Any:
+        """The numbers with which it walks at a tolerance, and a `ladder.Found`; None where all are the same.
+
+        Parameters
+        ----------
+        of : Tolerance
+            The error that is allowed.
+        soles : Waypoints or tuple of Foot
+            The space whose soles walk, or those that stand for the ones that do.
+        """
+        return None
+
+    def own(self) -> tuple[Any, ...]:
+        """A user's own functions and types that determine a walk."""
+        return ()
+
+    @property
+    def title(self) -> str:
+        """It in a few words, such as "hard sand"."""
+        return type(self).__name__
+
+    @property
+    def about(self) -> str:
+        """What walks, in a line."""
+        return f"Simulator: {self.title}"
+
+    def entry(self) -> dict[str, Any]:
+        """What it is, for result.json."""
+        return {"simulator": self.title}
+
+    def need_heel_strike(self) -> None:
+        """Raise a `SettingError` if its walks cannot be compared."""
+
+    @staticmethod
+    def from_function(
+        function: Callable[[Foot], Mapping[str, float] | str], quantities: Sequence[str]
+    ) -> FunctionSimulator:
+        """Make a simulator of a function of a foot.
+
+        Parameters
+        ----------
+        function : callable
+            From a `Foot` to what it measures by name, or to the reason why it does not walk. It has to be in
+            a module for processes to find it. One thread calls it.
+        quantities : sequence of str
+            The names: of objectives, the five of the paper among them or not (`footopt.objective`).
+        """
+        return FunctionSimulator(function, tuple(quantities))
+
+
+@dataclass(frozen=True)
+class FunctionSimulator(Simulator):
+    """A function of a foot as a `Simulator` (`Simulator.from_function`)."""
+
+    function: Callable[[Foot], Mapping[str, float] | str] = field(compare=False)
+    names: tuple[str, ...]
+    title: str = ""
+    traces: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        check(callable(self.function), "function", self.function, "a function of a Foot")
+        name = getattr(self.function, "__qualname__", repr(self.function))
+        object.__setattr__(self, "title", name.replace("_", " "))
+
+    def walk(self, feet: Sequence[Foot], accuracy: Accuracy, threads: int | None = None) -> Walked:
+        """Call the function for each foot."""
+        raw, reasons = np.full((len(feet), len(self.quantities)), np.nan), []
+        for row, foot in zip(raw, feet, strict=True):
+            found = self.function(foot)
+            if isinstance(found, str):
+                reasons.append(found or "failed")
+                continue
+            if lacking := [name for name in self.quantities if name not in found]:
+                raise SettingError("quantities", ", ".join(lacking), f"made of {', '.join(found)}")
+            row[:] = [found[name] for name in self.quantities]
+            reasons.append("" if np.isfinite(row).all() else "diverged")
+        return Walked(raw, np.array(reasons, np.str_), np.ones(len(feet), np.int64))
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """What the function measures."""
+        return self.names
+
+    def own(self) -> tuple[Any, ...]:
+        """The function."""
+        return (self.function,)

@@ -1,0 +1,106 @@
+"""A robot in MuJoCo as a simulator: where it starts, what it measures, how it fails, what it refuses."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import footopt as fo
+from footopt.errors import SettingError
+from footopt.mujoco.model import BIPED
+from footopt.walk import FIVE
+
+pytest.importorskip("mujoco")
+SPACE = fo.Waypoints(n=5, K=4)
+SOLES = [[1, 2, 3, 2, 1], [4, 3, 2, 3, 4], [4, 4, 4, 4, 4]]
+
+
+def hold(model, data):
+    """A controller that holds all joints straight."""
+    data.ctrl[:] = 0.0
+
+
+def bend(model, data):
+    """A controller that bends both knees by 80 degrees, and the hips by half of that."""
+    for side in ("left", "right"):
+        data.actuator(f"{side}_hip").ctrl = 0.7
+        data.actuator(f"{side}_knee").ctrl = -1.4
+
+
+@pytest.fixture(scope="module")
+def biped():
+    return fo.mujoco.Robot(duration=1.4, plates=16)
+
+
+class TestTheRobot:
+    @pytest.mark.slow
+    def test_starts_where_sand_carries_it(self, biped):
+        still = replace(biped, controller=hold, duration=1.0, after=0.0)
+        walk = fo.simulate(fo.Foot.flat(), still, fo.Accuracy(dt=2e-3))
+        load = walk.force[200:, :, 1].sum(axis=1)
+        assert load.mean() == pytest.approx(biped.weight, rel=0.01)
+        assert np.ptp(walk.com[:, 1]) < 3e-3
+
+    @pytest.mark.slow
+    def test_plates_add_up_to_the_forces_of_the_trace(self, biped):
+        walk = fo.simulate(fo.Foot.from_waypoints(SOLES[0], SPACE), biped, fo.Accuracy(dt=2e-3))
+        index = np.flatnonzero(walk.force[:, 0, 1] > 100.0)[::25]
+        np.testing.assert_allclose(
+            walk.plates(index).total[:, 0], walk.force[index, 0], atol=0.05 * biped.weight
+        )
+        np.testing.assert_allclose(walk.legs(walk.t[index])[:, :, -1], walk.joints[index, :, -1])
+
+    @pytest.mark.slow
+    def test_joints_give_what_the_sand_takes(self, biped):
+        """Servos give at least what the sand takes: the boom only damps, and it begins and ends upright."""
+        values = fo.evaluate(SOLES, biped, fo.Accuracy(dt=1e-3), ("work", "joint_work"), SPACE).values
+        assert (values[:, 1] > values[:, 0]).all()
+
+    @pytest.mark.slow
+    def test_a_tolerance_finds_its_time_step(self, biped):
+        steps = []
+        for name in ("draft", "standard"):
+            table = fo.evaluate(SOLES, biped, name, space=SPACE)
+            truth = fo.evaluate(SOLES, biped, fo.Accuracy(dt=2.5e-4), space=SPACE)
+            walk = fo.simulate(fo.Foot.from_waypoints(SOLES[0], SPACE), biped, name)
+            steps.append(walk.accuracy.dt)
+            assert np.abs(table.values / truth.values - 1.0).max() < walk.accuracy.tolerance
+        assert steps[1] < steps[0] <= 2e-3
+
+    @pytest.mark.slow
+    def test_a_fall_is_a_reason_and_survival_says_when(self, biped):
+        names = (*FIVE, "survival")
+        limp = replace(biped, controller=bend, duration=2.0, after=0.0, lowest=0.8)
+        table = fo.evaluate([SOLES[2]], limp, fo.Accuracy(dt=2e-3), names, SPACE)
+        assert table.reasons.tolist() == ["fallen"]
+        assert np.isnan(table.values[0, :5]).all()
+        assert 0.1 < table.column("survival")[0] < 2.0
+
+    def test_of_another_sand_is_the_same_model(self, biped):
+        soft = replace(biped, sand=fo.Sand.named("soft"))
+        assert soft.model is biped.model
+        assert soft != biped
+
+    @pytest.mark.parametrize(
+        ("setting", "options"),
+        [
+            ("robot.feet", {"feet": ["left_hoof"]}),
+            ("robot.feet", {"feet": []}),
+            ("robot.model", {"model": "no_such_model.xml"}),
+            ("robot.model", {"model": "<mujoco><wordbody/></mujoco>"}),
+            (
+                "robot.model",
+                {"model": BIPED.read_text().replace('slide" axis="0 0 1"', 'hinge" axis="0 0 1"')},
+            ),
+            ("joints", {"controller": fo.mujoco.Tracker(joints={"left_hop": "left hip"})}),
+            ("commands", {"controller": fo.mujoco.Commands([0.0, 1.0], {"no_motor": [0.0, 0.0]})}),
+            ("robot.controller", {"controller": 3}),
+            ("robot.duration", {"duration": -1.0}),
+            ("robot.after", {"after": 3.0}),
+            ("robot.key", {"key": "home"}),
+            ("robot.tilt", {"tilt": 0.0}),
+        ],
+    )
+    def test_what_is_not_in_the_model_is_refused_by_name(self, setting, options):
+        with pytest.raises(SettingError, match=setting):
+            fo.mujoco.Robot(**options)

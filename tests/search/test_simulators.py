@@ -1,0 +1,88 @@
+"""What walks with a foot: the planar walker, a robot in MuJoCo, and a function, through the same doors."""
+
+import numpy as np
+import pytest
+
+import footopt as fo
+from footopt.errors import SettingError
+from footopt.walk import FIVE, Simulator
+from footopt.walk.objectives import offered
+
+SPACE = fo.Waypoints(n=5, K=4)
+COARSE = fo.Accuracy(dt=4e-3, plates=32)
+SOLES = [[1, 2, 3, 2, 1], [4, 3, 2, 3, 4], [4, 4, 4, 4, 4]]
+
+
+def ramp(foot):
+    """A function of a foot: the steeper, the farther, and a sole that does not fit."""
+    slope = float(np.polyfit(*foot.contour.T, 1)[0])
+    if slope > 0.1:
+        return "steep"
+    return dict(zip(FIVE, (2.0 + slope, 1.0, 100.0, 200.0, 0.3), strict=True))
+
+
+def other(foot):
+    return dict.fromkeys(FIVE, 1.0)
+
+
+@pytest.fixture(
+    scope="module",
+    params=["walker", "function", pytest.param("robot", marks=pytest.mark.slow)],
+)
+def simulator(request):
+    if request.param == "robot":
+        pytest.importorskip("mujoco")
+        return fo.mujoco.Robot(duration=1.4, plates=16)
+    if request.param == "function":
+        return Simulator.from_function(ramp, FIVE)
+    return fo.Scene(t_f=1.4)
+
+
+class TestEverySimulator:
+    def test_a_walk_does_not_depend_on_its_batch_or_on_threads(self, simulator):
+        table = fo.evaluate(SOLES, simulator, COARSE, space=SPACE, threads=2)
+        alone = [fo.evaluate([k], simulator, COARSE, space=SPACE, threads=1).values[0] for k in SOLES[::-1]]
+        np.testing.assert_array_equal(table.values, alone[::-1])
+        assert table.feasible.all()
+
+    def test_is_searched_and_a_search_goes_on_to_the_same_result(self, simulator, tmp_path):
+        problem = fo.FootProblem(simulator, space=SPACE, accuracy=COARSE)
+        whole = fo.search(problem, "ga", walks=24, pop_size=8, seed=1)
+        part = fo.search(problem, "ga", walks=16, pop_size=8, seed=1, store=tmp_path / "designs.sqlite")
+        rest = fo.search(problem, "ga", walks=24, pop_size=8, seed=1, store=tmp_path / "designs.sqlite")
+        assert part.designs < rest.designs
+        assert rest.reused == part.designs
+        np.testing.assert_array_equal(rest.values, whole.values)
+
+    def test_is_pymoos_problem(self, simulator):
+        out = fo.FootProblem(simulator, ["distance", "work"], SPACE, COARSE).evaluate(
+            np.array(SOLES), return_as_dictionary=True
+        )
+        table = fo.evaluate(SOLES, simulator, COARSE, ("distance", "work"), SPACE)
+        np.testing.assert_array_equal(out["F"], table.values * [-1.0, 1.0])
+
+    def test_another_simulator_is_another_problem_to_a_store(self, simulator, tmp_path):
+        path = tmp_path / "designs.sqlite"
+        fo.search(fo.FootProblem(simulator, space=SPACE, accuracy=COARSE), "ga", walks=8, store=path)
+        another = Simulator.from_function(other, FIVE)
+        problem = fo.FootProblem(another, space=SPACE, accuracy=COARSE)
+        assert fo.search(problem, "ga", walks=8, store=path).reused == 0
+
+    def test_an_objective_that_it_does_not_measure_is_refused(self, simulator):
+        absent = "joint_work" if "joint_work" not in offered(simulator) else "net_power"
+        with pytest.raises(SettingError, match=absent):
+            fo.FootProblem(simulator, absent)
+
+
+class TestFunctions:
+    def test_a_reason_in_place_of_values_is_a_failed_walk(self):
+        table = fo.evaluate([[4, 3, 2, 1, 1], SOLES[2]], Simulator.from_function(ramp, FIVE), space=SPACE)
+        assert table.reasons.tolist() == ["steep", ""]
+
+    def test_walks_have_no_traces(self):
+        with pytest.raises(SettingError, match="simulator"):
+            fo.simulate(fo.Foot.flat(), Simulator.from_function(ramp, FIVE))
+
+    def test_what_is_promised_has_to_come(self):
+        with pytest.raises(SettingError, match="joint_work"):
+            fo.evaluate(SOLES, Simulator.from_function(ramp, [*FIVE, "joint_work"]), space=SPACE)
