@@ -45,7 +45,7 @@ def on_a_plane(robot: fo.mujoco.Robot) -> float:
 def main(walks: int) -> None:
     """Print the table."""
     robot = fo.mujoco.Robot()
-    accuracy = fo.Accuracy(dt=robot.model.compiled.opt.timestep)
+    accuracy = fo.Accuracy(dt=robot.model.compiled.opt.timestep, plates=32)
     feet = fo.Waypoints().random(walks, seed=1)
     fo.evaluate(feet[:2], robot, accuracy)  # compiles
     rows = []

@@ -14,8 +14,8 @@ from scipy.stats import kendalltau
 
 import footopt as fo
 
-FINE = fo.Accuracy(dt=5e-4)  # of the robot's walks that are compared
-COARSE = fo.Accuracy(dt=2e-3)  # of its search, and of the random soles
+FINE = fo.Accuracy(dt=5e-4, plates=64)  # of the robot's walks that are compared
+COARSE = fo.Accuracy(dt=2e-3, plates=32)  # of its search, and of the random soles
 COLUMNS = ("peak_power", "speed_loss", "joint_work", "efficiency")
 
 

@@ -88,16 +88,17 @@ class Contact:
             raise SettingError("plates", plates, "an even number from 4")
         if found.tilt:
             raise SettingError("effects", "an inclined plane", "on a level one", "Tilt model.opt.gravity.")
-        bodies, tables, first = np.zeros(len(feet), BODY), [], 0
+        bodies, tables, first, soles = np.zeros(len(feet), BODY), [], 0, dict[int, Array]()
         for body, (name, foot) in zip(bodies, feet.items(), strict=True):
             row = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name)
             if row < 0:
                 names = [model.body(i).name for i in range(1, model.nbody)]
                 raise SettingError("feet", name, f"the name of a body: {', '.join(names)}")
             if isinstance(foot, Foot):
-                table = _sole(
-                    foot.plates(plates // 2, directed=True, fill=reshaping(scene.effects)), foot.width
-                )
+                if id(foot) not in soles:  # both feet often have one
+                    cut = foot.plates(plates // 2, directed=True, fill=reshaping(scene.effects))
+                    soles[id(foot)] = _sole(cut, foot.width)
+                table = soles[id(foot)]
                 body["law"] = g * np.array(found.law)
             else:
                 table = _mesh(mujoco, model, row, foot)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from footopt.effects.base import Effect, ordered, reshaping
-from footopt.errors import check, check_kind, check_whole
+from footopt.errors import check, check_kind
 from footopt.foot import Foot, Plates, Waypoints
 from footopt.gait import Gait
 from footopt.gait.gait import Pose
@@ -23,7 +23,7 @@ from footopt.mujoco.walking import AXES, MEASURED, Job, bristles_in_world, done,
 from footopt.sand import Sand
 from footopt.walk.accuracy import Accuracy, Tolerance
 from footopt.walk.batch import at_once
-from footopt.walk.ladder import Found, Rung, climb, probes
+from footopt.walk.ladder import TOP, Found, Rung, climb, plates_at, probes
 from footopt.walk.objectives import FIVE, OBJECTIVES, by_name
 from footopt.walk.results import Walk
 from footopt.walk.scene import Scene, Walker
@@ -32,6 +32,7 @@ from footopt.walk.simulator import Simulator, Walked
 Array = NDArray[np.float64]
 
 HALVINGS = 6  # of a model's time step, at most, for an accuracy
+STEP_COST = 100.0  # plates along a sole that take as long as what else is in a step
 
 
 @dataclass(frozen=True)
@@ -65,8 +66,6 @@ class Robot(Simulator):
         It has fallen where its centre of mass is lower than so many times its height at the start.
     tilt : float, rad
         Or where its root is inclined by more, against the start.
-    plates : int
-        Of a sole, as `Contact` has them.
 
     Raises
     ------
@@ -86,7 +85,6 @@ class Robot(Simulator):
     key: str | None = None
     lowest: float = 0.6
     tilt: float = 1.0
-    plates: int = 64
 
     def __post_init__(self) -> None:
         put, feet = object.__setattr__, (self.feet,) if isinstance(self.feet, str) else tuple(self.feet)
@@ -111,7 +109,6 @@ class Robot(Simulator):
         check(0.0 <= self._after < self._end, "robot.after", self.after, allowed)
         check(0.0 < self.lowest < 1.0, "robot.lowest", self.lowest, "a number between 0 and 1")
         check(0.0 < self.tilt <= math.pi, "robot.tilt", self.tilt, "an angle > 0 and <= pi, in rad")
-        check_whole(self.plates, "robot.plates", 4, 4096, "An even one.")
         if self._told:
             self.controller.commands(self.model.compiled, np.zeros(1))  # names its faults
         if self.key is not None:
@@ -193,9 +190,9 @@ class Robot(Simulator):
             "duration_s": self.duration,
         }
 
-    def plates_of(self, foot: Foot) -> Plates:
-        """The plates of a sole, as many as each of its lines has."""
-        return foot.plates(self.plates // 2, directed=True, fill=reshaping(tuple(self.effects)))
+    def plates_of(self, foot: Foot, count: int) -> Plates:
+        """Plates along a sole, each of which is two on its two lines."""
+        return foot.plates(count, directed=True, fill=reshaping(tuple(self.effects)))
 
     def own(self) -> tuple[Any, ...]:
         """The controller, if it is a function, and laws of effects."""
@@ -205,7 +202,9 @@ class Robot(Simulator):
     def need_heel_strike(self) -> None:
         """Raise unless it gets through its first steps in the air, so that what fails later is the sand's."""
         dt = self.model.compiled.opt.timestep
-        found = walk(replace(self, lowest=1e-9, tilt=math.pi), None, dt, min(200 * dt, self._end))
+        found = walk(
+            replace(self, lowest=1e-9, tilt=math.pi), None, Accuracy(dt=dt), min(200 * dt, self._end)
+        )
         why = "a model that is stable in the air"
         check(found.reason != "diverged", "robot.model", self.title, why, "Try a shorter timestep.")
 
@@ -220,13 +219,13 @@ class Robot(Simulator):
     # --- a simulator ----------------------------------------------------------------------------------
 
     def ladder(self, of: Tolerance, soles: Waypoints | tuple[Foot, ...]) -> tuple[Accuracy, Found]:
-        """The longest time step that meets a tolerance, halved from that of the model (`walk.ladder`)."""
+        """The time step, halved from the model's, and the plates that meet a tolerance (`walk.ladder`)."""
         return _ladder(replace(of, name="", refinements=0), self, soles, of.refinements)
 
     def walk(self, feet: Sequence[Foot], accuracy: Accuracy, threads: int | None = None) -> Walked:
         """Walk with some feet."""
         workers = min(at_once(threads), len(feet)) if self._told else 1
-        one = [Job(self, foot, accuracy.dt, self._end) for foot in feet]
+        one = [Job(self, foot, accuracy, self._end) for foot in feet]
         if workers > 1:
             with ThreadPoolExecutor(workers) as pool:
                 found = list(pool.map(done, one))
@@ -239,7 +238,7 @@ class Robot(Simulator):
 
     def trace(self, foot: Foot, accuracy: Accuracy) -> RobotWalk:
         """Walk with one foot, keeping full traces."""
-        found = walk(self, foot, accuracy.dt, self._end, traced=True)
+        found = walk(self, foot, accuracy, self._end, traced=True)
         end = len(found.t)
         joints, turned = poses(self, accuracy.dt, found.states[:end])
         return RobotWalk(
@@ -310,22 +309,28 @@ class RobotWalk(Walk):
 
     @property
     def sole(self) -> Plates:
-        plates: Plates = self.scene.plates_of(self.foot)
+        plates: Plates = self.scene.plates_of(self.foot, self.accuracy.plates)
         return plates
 
 
 @lru_cache(maxsize=64)
 def _ladder(of: Tolerance, robot: Robot, soles: Any, refinements: int) -> tuple[Accuracy, Found]:
-    """The end of the ladder of time steps for a space or some feet."""
+    """The end of the ladder of time steps and plates for a space or some feet."""
     own = float(robot.model.compiled.opt.timestep)
     feet = [Foot.from_waypoints(k, soles) for k in probes(soles)] if isinstance(soles, Waypoints) else soles
 
-    def walked(rung: Rung) -> tuple[Array, float]:
-        dt = of.dt or own / 2**rung.time
-        found = robot.walk(feet, Accuracy(dt=dt))
-        raw = by_name(np.where(found.reasons[:, None] == "", found.raw, np.nan), robot.quantities)
-        return np.stack([OBJECTIVES[name].value(raw, robot) for name in FIVE], axis=1), 1.0 / dt
+    def at(rung: Rung) -> Accuracy:
+        return Accuracy(dt=of.dt or own / 2**rung.time, plates=of.plates or plates_at(rung))
 
-    found = climb(walked, Rung(0 if of.dt else HALVINGS), of.error)
-    dt = of.dt or own / 2 ** (found.rung.time + refinements)
-    return Accuracy(dt=dt, plates=robot.plates), found
+    def walked(rung: Rung) -> tuple[Array, float]:
+        numbers = at(rung)
+        found = robot.walk(feet, numbers)
+        raw = by_name(np.where(found.reasons[:, None] == "", found.raw, np.nan), robot.quantities)
+        values = np.stack([OBJECTIVES[name].value(raw, robot) for name in FIVE], axis=1)
+        return values, (STEP_COST + numbers.plates) / numbers.dt
+
+    top = Rung(0 if of.dt else HALVINGS, 0 if of.plates else TOP.plates)
+    found = climb(walked, top, of.error)
+    numbers = at(found.rung)
+    finer = 2**refinements
+    return replace(numbers, dt=numbers.dt / finer, plates=numbers.plates * finer), found

@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from footopt.errors import SettingError, needed
 from footopt.foot import Foot
@@ -17,6 +16,7 @@ from footopt.gait.gait import Pose
 from footopt.mujoco.attaching import Contact
 from footopt.mujoco.controllers import Tracker
 from footopt.mujoco.model import ACTUATOR, COM, UPRIGHT, VELOCITY, Model
+from footopt.walk.accuracy import Accuracy
 from footopt.walk.objectives import FIVE
 from footopt.walk.plates import plate_states
 
@@ -25,13 +25,15 @@ Array = NDArray[np.float64]
 #: What a walk measures, beside how well servos follow.
 MEASURED = (*FIVE, "joint_work", "torque", "survival", "maximum_sinkage", "peak_vertical_force")
 SLOW = 1e-6  # m/s, of what sinks at 1 m/s
+PLATES = 64  # along a sole that finds where a robot starts
+DEEPEST = 100.0  # m, to which a robot may sink at first
 AXES = [0, 2]  # x and z of three
 
 
 class Job(NamedTuple):
     robot: Any
     foot: Foot
-    dt: float
+    accuracy: Accuracy
     end: float
 
 
@@ -53,16 +55,18 @@ def done(job: Job) -> Found:
     return walk(*job)
 
 
-def walk(robot: Any, foot: Foot | None, dt: float, end: float, traced: bool = False) -> Found:
-    """Walk with a foot, None in the air, in steps of dt at most, s."""
+def walk(robot: Any, foot: Foot | None, accuracy: Accuracy, end: float, traced: bool = False) -> Found:
+    """Walk with a foot, None in the air, to the end, s."""
     mujoco = needed("mujoco", "fo.mujoco.Robot", "mujoco")
-    steps = max(1, math.ceil(end / dt - 1e-9))
+    steps = max(1, math.ceil(end / accuracy.dt - 1e-9))
     model, kind = robot.model.at(end / steps), mujoco.mjtState.mjSTATE_FULLPHYSICS
     data = mujoco.MjData(model)
     sole = start(robot, model, data, foot)
     contact, sensed, states = None, np.empty((steps + 1, model.nsensordata)), None
     if sole:
-        contact = Contact(model, data, sole, robot.sand, robot.effects, robot.plates, steps + 1, traced)
+        contact = Contact(
+            model, data, sole, robot.sand, robot.effects, 2 * accuracy.plates, steps + 1, traced
+        )
     t = end / steps * np.arange(steps + 1, dtype=np.float64)
     try:
         if robot._told:
@@ -95,8 +99,8 @@ def start(robot: Any, model: Any, data: Any, foot: Foot | None) -> dict[str, Foo
     if robot.key is not None:
         mujoco.mj_resetDataKeyframe(model, data, model.key(robot.key).id)
     elif isinstance(robot.controller, Tracker):
-        for name in robot.controller.joints:
-            data.qpos[model.joint(name).qposadr[0]] = robot.controller.angles(name, np.zeros(1))[0][0]
+        for name, angle in _first_angles(robot.controller).items():
+            data.qpos[model.joint(name).qposadr[0]] = angle
     if foot is None:
         data.qpos[robot.model.height_address()] += 100.0
         return {}
@@ -109,23 +113,35 @@ def rise(robot: Any, data: Any, foot: Foot) -> float:
     """By how much a robot has to be lifted for the limit force of sinking on its feet to carry it, m."""
     rows = [robot.model.compiled.body(name).id for name in robot.feet]
     x, z = data.xpos[rows][:, AXES].T
-    pitch, none = np.arctan2(data.xmat[rows, 6], data.xmat[rows, 0]), np.zeros((1, len(rows)))
-    pose = Pose(x[None], z[None], none, none, pitch[None], none)
+    pitch = np.arctan2(data.xmat[rows, 6], data.xmat[rows, 0])
     level = tuple(effect for effect in robot.effects if effect.law is None or not hasattr(effect.law, "push"))
-    scene, plates = replace(robot.planar, effects=level), robot.plates_of(foot)
+    scene, plates = replace(robot.planar, effects=level), robot.plates_of(foot, PLATES)
     c, s = np.cos(pitch)[:, None], np.sin(pitch)[:, None]
     low = float(np.min(z[:, None] + s * plates.x[0] + c * plates.z[0]))
 
-    def missing(lift: float) -> float:
-        at = np.array([[0.0, lift]])
-        states = plate_states(plates, pose, at, np.array([[0.0, -1.0]]), scene, SLOW)
-        return float(states.total[..., 1].sum() - robot.weight)
+    def missing(depths: Array) -> Array:
+        """The force beyond the weight with the lowest plate at some depths, N."""
+        still, down = np.zeros((len(depths), len(rows))), np.tile([0.0, -1.0], (len(depths), 1))
+        pose = Pose(still + x, still + z, still, still, still + pitch, still)
+        at = np.stack([0.0 * depths, -low - depths], axis=1)
+        states = plate_states(plates, pose, at, down, scene, SLOW)
+        return np.asarray(states.total[..., 1].sum(axis=1) - robot.weight)
 
-    deep = 0.01
-    while missing(-low - deep) < 0.0:
-        if (deep := 2.0 * deep) > 100.0:
+    depths = np.concatenate([[0.0], DEEPEST / 2.0 ** np.arange(20)[::-1]])
+    for _ in range(3):  # the force grows with the depth
+        more = missing(depths)
+        at = int(np.argmax(more >= 0.0))
+        if at == 0:
             raise SettingError("sand.zeta", robot.sand.zeta, "one that carries the robot", "Or wider feet.")
-    return float(brentq(missing, -low - deep, -low, xtol=1e-9))
+        bracket = depths[at - 1 : at + 1]
+        depths = np.linspace(bracket[0], bracket[1], 17)
+    return float(-low - np.interp(0.0, more[at - 1 : at + 1], bracket))
+
+
+@lru_cache(maxsize=32)
+def _first_angles(controller: Tracker) -> dict[str, float]:
+    """Where the joints of a tracked gait begin, rad."""
+    return {name: float(controller.angles(name, np.zeros(1))[0][0]) for name in controller.joints}
 
 
 @lru_cache(maxsize=32)

@@ -218,7 +218,6 @@ class RobotConfig:
     key: str | None = setting(None, Robot)
     lowest: float = setting(default(Robot, "lowest"), Robot)
     tilt: float = setting(default(Robot, "tilt"), Robot)
-    plates: int = setting(default(Robot, "plates"), Robot)
 
 
 @dataclass

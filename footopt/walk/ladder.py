@@ -179,17 +179,21 @@ def _top(of: Tolerance, scene: Scene) -> Rung:
     return Rung(time, 0 if of.plates else TOP.plates, 0 if of.creep else TOP.creep)
 
 
+def plates_at(rung: Rung) -> int:
+    """Plates along the sole on a rung."""
+    return LANES * round(FEWEST / LANES * 2 ** (rung.plates / 2))
+
+
 def numbers_at(of: Tolerance, scene: Scene, rung: Rung) -> Accuracy:
     """The numbers of a rung in a scene, and those that are held by hand."""
     period = scene.gait.period
     speed = (scene.walker.l1 + scene.walker.l2) / period
     halvings = max(rung.time - 1, 0) // STEP_HALVED
     dt = LONGEST[STEPPERS[of.stepper].implicit] * period / 2**halvings
-    plates = LANES * round(FEWEST / LANES * 2 ** (rung.plates / 2))
     numbers = Accuracy(
         stepper=of.stepper,
         dt=min(max(dt, LEAST_DT), 1.0),
-        plates=plates,
+        plates=plates_at(rung),
         creep=min(max(CREEP * speed / 2**rung.creep, LEAST), 1.0),
         rule=of.rule,
         control=min(max(CONTROL * speed / 2**rung.time, LEAST), 1.0),

@@ -29,7 +29,7 @@ def bend(model, data):
 
 @pytest.fixture(scope="module")
 def biped():
-    return fo.mujoco.Robot(duration=1.4, plates=16)
+    return fo.mujoco.Robot(duration=1.4)
 
 
 class TestTheRobot:

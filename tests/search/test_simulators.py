@@ -9,7 +9,7 @@ from footopt.walk import FIVE, Simulator
 from footopt.walk.objectives import offered
 
 SPACE = fo.Waypoints(n=5, K=4)
-COARSE = fo.Accuracy(dt=4e-3, plates=32)
+COARSE = fo.Accuracy(dt=4e-3, plates=16)
 SOLES = [[1, 2, 3, 2, 1], [4, 3, 2, 3, 4], [4, 4, 4, 4, 4]]
 
 
@@ -32,7 +32,7 @@ def other(foot):
 def simulator(request):
     if request.param == "robot":
         pytest.importorskip("mujoco")
-        return fo.mujoco.Robot(duration=1.4, plates=16)
+        return fo.mujoco.Robot(duration=1.4)
     if request.param == "function":
         return Simulator.from_function(ramp, FIVE)
     return fo.Scene(t_f=1.4)
