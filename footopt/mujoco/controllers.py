@@ -22,7 +22,7 @@ SIDES = ("left", "right")
 
 def named_by_side() -> dict[str, str]:
     """Names of joints as in the biped that comes with footopt: left_hip is the left hip, and so on."""
-    return {f"{side}_{joint}": f"{side} {joint}" for side, joint in product(SIDES, JOINTS)}
+    return {f"{side}_{joint}": f"{side}_{joint}" for side, joint in product(SIDES, JOINTS)}
 
 
 @dataclass(frozen=True)
@@ -38,9 +38,9 @@ class Tracker:
     gait : Gait
         Its first stance begins at `Gait.start`, before which the robot stands.
     joints : mapping of str to str
-        By name of the model's joint: "left hip", "right knee" and so on, with a minus before it where the
+        By name of the model's joint: "left_hip", "right_knee" and so on, with a minus before it where the
         joint turns the other way (a hip is positive forward, a knee bent backward is negative, an ankle
-        is positive toe up). A joint of the model is not needed; the others hold still.
+        is positive toe up). Actuators of joints that are left out are told 0.
 
     Raises
     ------
@@ -52,7 +52,7 @@ class Tracker:
     joints: Mapping[str, str] = field(default_factory=named_by_side, hash=False)
 
     def __post_init__(self) -> None:
-        known = [f"{side} {joint}" for side, joint in product(SIDES, JOINTS)]
+        known = [f"{side}_{joint}" for side, joint in product(SIDES, JOINTS)]
         for name, angle in self.joints.items():
             check(angle.removeprefix("-") in known, f"joints.{name}", angle, f"one of {', '.join(known)}")
 
@@ -70,7 +70,7 @@ class Tracker:
         """A joint's angles, rad, and their rates, rad/s, at times t (T,)."""
         (thigh, thigh_rate), (shank, shank_rate), (pitch, pitch_rate) = self.gait.angles(t)
         angle = self.joints[name]
-        side, joint = angle.removeprefix("-").split()
+        side, joint = angle.removeprefix("-").split("_")
         links, rates = (0.0, thigh, shank, pitch), (0.0, thigh_rate, shank_rate, pitch_rate)
         i, foot, sign = JOINTS.index(joint), SIDES.index(side), -1.0 if angle.startswith("-") else 1.0
         turned, rate = (sign * np.asarray(of[i + 1] - of[i])[:, foot] for of in (links, rates))

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from footopt.effects.base import Effect, ordered, reshaping
-from footopt.errors import check, check_kind
+from footopt.errors import SettingError, check, check_kind
 from footopt.foot import Foot, Plates, Waypoints
 from footopt.gait import Gait
 from footopt.gait.gait import Pose
@@ -201,10 +201,14 @@ class Robot(Simulator):
 
     def need_heel_strike(self) -> None:
         """Raise unless it gets through its first steps in the air, so that what fails later is the sand's."""
-        dt = self.model.compiled.opt.timestep
-        found = walk(
-            replace(self, lowest=1e-9, tilt=math.pi), None, Accuracy(dt=dt), min(200 * dt, self._end)
-        )
+        dt, upright = self.model.compiled.opt.timestep, replace(self, lowest=1e-9, tilt=math.pi)
+        try:
+            found = walk(upright, None, Accuracy(dt=dt), min(200 * dt, self._end))
+        except Exception as error:
+            if self._told:
+                raise
+            why = f"a function of (model, data) that does not fail ({type(error).__name__}: {error})"
+            raise SettingError("robot.controller", self.controller.name, why) from error
         why = "a model that is stable in the air"
         check(found.reason != "diverged", "robot.model", self.title, why, "Try a shorter timestep.")
 

@@ -247,11 +247,13 @@ def make_simulator(config: Config) -> Scene | Simulator:
     check(own == ("model" in given), "robot.model", config.robot.model, "a file, with simulator=robot")
     hint = "From Python it may have any number."
     check(len(config.robot.feet) == 2, "robot.feet", config.robot.feet, "two bodies", hint)
-    check(joints is None or isinstance(joints, dict), "robot.joints", joints, "{left_hip: left hip}")
+    check(joints is None or isinstance(joints, dict), "robot.joints", joints, "{hip_l: left_hip}")
     tracked = () if joints is None else (joints,)
     controller = read_controller(table) if table else Tracker(make_gait(config.gait), *tracked)
     sand, effects = make_sand(config.sand), make_effects(config.effects)
-    return Robot(controller=controller, sand=sand, effects=effects, **given)
+    robot = Robot(controller=controller, sand=sand, effects=effects, **given)
+    robot.need_heel_strike()
+    return robot
 
 
 def make_limits(config: Config) -> dict[str, float]:

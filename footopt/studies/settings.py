@@ -212,7 +212,7 @@ class RobotConfig:
     model: str | None = setting(None, "File of MJCF or URDF; null: that of simulator=biped.")
     feet: list[str] = setting(default(Robot, "feet"), Robot)
     controller: str | None = setting(None, "FILE.py:FUNCTION, or a CSV; null: servos track the gait.")
-    joints: Any = setting(None, "That track it: {JOINT: left hip, OTHER: -right knee}; null: left_hip ...")
+    joints: Any = setting(None, "That track it: {JOINT: left_hip, OTHER: -right_knee}; null: by these names")
     duration: float | None = setting(None, Robot)
     after: float | None = setting(None, Robot)
     key: str | None = setting(None, Robot)

@@ -55,6 +55,18 @@ COMMANDS = {
     "foot=outline foot.path=sole.dxf": "foot = 'outline'",
     "constraint.own={colour:9}": "constraint = 'colour'",
     "choose=limits objective=pareto": "choose.limits",
+    # robots that cannot be
+    "simulator=robot": "robot.model = None",
+    "simulator=robot robot.model=mine.xml": "robot.model",
+    "simulator=biped robot.feet=[left_hoof,right_hoof]": "robot.feet = 'left_hoof'",
+    "simulator=biped robot.feet=[left_foot]": "robot.feet",
+    "simulator=biped robot.joints={knee:left_hip}": "joints = 'knee'",
+    "simulator=biped robot.controller=steps.csv": "robot.controller = 'steps.csv'",
+    "simulator=biped robot.tilt=-1": "robot.tilt = -1",
+    "simulator=biped walker.mass=20": "walker.mass",
+    "robot.duration=3": "robot.duration",
+    "objective=torque": "objective",
+    "objective.names=[torque]": "objective.names = 'torque'",
     # settings that nothing reads
     "study=simulate foot.length=.18": "foot.length = 0.18",
     "study.draws=3": "study.draws",

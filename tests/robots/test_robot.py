@@ -12,12 +12,17 @@ from footopt.walk import FIVE
 
 pytest.importorskip("mujoco")
 SPACE = fo.Waypoints(n=5, K=4)
+COARSE = fo.Accuracy(dt=2e-3, plates=16)
 SOLES = [[1, 2, 3, 2, 1], [4, 3, 2, 3, 4], [4, 4, 4, 4, 4]]
 
 
 def hold(model, data):
     """A controller that holds all joints straight."""
     data.ctrl[:] = 0.0
+
+
+def no_such_motor(model, data):
+    data.actuator("no_such_motor").ctrl = 0.0
 
 
 def bend(model, data):
@@ -76,6 +81,28 @@ class TestTheRobot:
         assert np.isnan(table.values[0, :5]).all()
         assert 0.1 < table.column("survival")[0] < 2.0
 
+    def test_a_controller_that_fails_is_named_before_a_search(self, biped):
+        with pytest.raises(SettingError, match=r"robot.controller = 'no_such_motor'.*KeyError"):
+            fo.FootProblem(replace(biped, controller=no_such_motor))
+
+    @pytest.mark.slow
+    def test_commands_are_a_controller(self, biped):
+        """A table of what the tracker tells, and a function that reads it, walk as the tracker does."""
+        t = np.arange(0.0, 1.6, 2e-3)
+        model = biped.model.compiled
+        told = biped.controller.commands(model, t)
+        names = [model.actuator(i).name for i in range(model.nu)]
+        table = fo.mujoco.Commands(t, dict(zip(names, told.T, strict=True)))
+        start = {name: float(biped.controller.angles(name, np.zeros(1))[0][0]) for name in names}
+        pose = " ".join(str(start.get(model.joint(i).name, 0.0)) for i in range(model.njnt))
+        text = BIPED.read_text().replace(
+            "</mujoco>", f'<keyframe><key name="go" qpos="{pose}"/></keyframe></mujoco>'
+        )
+        other = fo.mujoco.Robot(text, biped.feet, table, duration=1.4, after=biped.after, key="go")
+        names = ("distance", "work", "joint_work")
+        one, two = (fo.evaluate(SOLES[:1], r, COARSE, names, SPACE).values for r in (biped, other))
+        np.testing.assert_allclose(two, one, rtol=1e-3)
+
     def test_of_another_sand_is_the_same_model(self, biped):
         soft = replace(biped, sand=fo.Sand.named("soft"))
         assert soft.model is biped.model
@@ -92,7 +119,7 @@ class TestTheRobot:
                 "robot.model",
                 {"model": BIPED.read_text().replace('slide" axis="0 0 1"', 'hinge" axis="0 0 1"')},
             ),
-            ("joints", {"controller": fo.mujoco.Tracker(joints={"left_hop": "left hip"})}),
+            ("joints", {"controller": fo.mujoco.Tracker(joints={"left_hop": "left_hip"})}),
             ("commands", {"controller": fo.mujoco.Commands([0.0, 1.0], {"no_motor": [0.0, 0.0]})}),
             ("robot.controller", {"controller": 3}),
             ("robot.duration", {"duration": -1.0}),
