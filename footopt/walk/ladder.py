@@ -207,6 +207,7 @@ def _walked(accuracy: Accuracy, scene: Scene, probes: Any, space: Waypoints | No
     walked = walk_batch(plates, scene, accuracy, Options(sink=False, threads=None))
     raw = np.where(walked.status[:, None] == OK, walked.raw, np.nan)
     values = np.stack([OBJECTIVES[name].value(by_name(raw), scene) for name in FIVE], axis=1)
+    values *= sizes(np.zeros(len(FIVE))) / sizes(np.zeros(len(FIVE)), scene)  # in units of its own floors
     return values, work(walked.counts["evaluations"], walked.counts["plates"]).mean()
 
 

@@ -241,9 +241,16 @@ def survival(raw: Raw, scene: Scene) -> Array:
 FIVE = ("distance", "mean_height", "work", "peak_power", "speed_loss")
 
 
-def sizes(values: Array) -> Array:
-    """Sizes that errors of the `FIVE` (walks, objectives) are relative to: J_W's floors or 1 mm at least."""
-    return np.maximum(np.abs(values), [FLOORS.get(name, 1e-3) for name in FIVE])
+def sizes(values: Array, scene: Scene | Simulator | None = None) -> Array:
+    """Sizes that errors of the `FIVE` (walks, objectives) are relative to: J_W's floors or 1 mm at least.
+
+    Floors of work and power are in proportion for a walker whose weight times leg is less than a joule.
+    """
+    light = 1.0
+    if isinstance(scene, Scene):
+        light = min(1.0, scene.weight * (scene.walker.l1 + scene.walker.l2) / FLOORS["work"])
+    least = {"work": light * FLOORS["work"], "peak_power": light * FLOORS["peak_power"]}
+    return np.maximum(np.abs(values), [least.get(name, 1e-3) for name in FIVE])
 
 
 def relative_change(values: Array, base: Array) -> Array:

@@ -11,7 +11,7 @@ import numpy as np
 from footopt.foot import Foot
 from footopt.walk import discretize
 from footopt.walk.accuracy import Accuracy, AnyAccuracy, resolve
-from footopt.walk.objectives import FIVE, FLOORS
+from footopt.walk.objectives import FIVE, sizes
 from footopt.walk.results import Walk
 from footopt.walk.scene import Scene
 from footopt.walk.simulate import estimated, simulate
@@ -85,8 +85,9 @@ def resolution(walk: Walk, errors: Mapping[str, float]) -> list[Diagnostic]:
         Its error estimates, from `estimate_error`.
     """
     values = walk.objectives
+    size = dict(zip(FIVE, sizes(np.array([values[name] for name in FIVE]), walk.scene), strict=True))
     shares = {
-        name: errors[name] / max(abs(values[name]), FLOORS.get(name, 1e-3))
+        name: errors[name] / size[name]
         for name in FIVE
         if math.isfinite(values[name]) and math.isfinite(errors.get(name, math.nan))
     }
