@@ -323,6 +323,11 @@ def _ladder(of: Tolerance, robot: Robot, soles: Any, refinements: int) -> tuple[
     own = float(robot.model.compiled.opt.timestep)
     feet = [Foot.from_waypoints(k, soles) for k in probes(soles)] if isinstance(soles, Waypoints) else soles
 
+    for _ in range(0 if of.dt else HALVINGS):  # a step at which soles diverge tells nothing of errors
+        if np.sum(robot.walk(feet, Accuracy(dt=own, plates=plates_at(Rung()))).reasons == "diverged") < 2:
+            break
+        own /= 2.0
+
     def at(rung: Rung) -> Accuracy:
         return Accuracy(dt=of.dt or own / 2**rung.time, plates=of.plates or plates_at(rung))
 

@@ -162,14 +162,15 @@ def judged(robot: Any, t: Array, sensed: Array, sand: Array, states: Array, coun
     model, steps = robot.model, len(t) - 1
     com, velocity, upright = (sensed[:, model.sensor(name)] for name in (COM, VELOCITY, UPRIGHT))
     force, speed, place = (sensed[:, model.of_actuators(prefix)] for prefix in ACTUATOR)
-    lost = ~np.isfinite(com).all(axis=1) | ~np.isfinite(states).all(axis=1)
+    anew = np.abs(states[:, 0] - t - t[1]) > 0.5 * t[1]  # MuJoCo begins anew where it is lost
+    lost = ~np.isfinite(com).all(axis=1) | ~np.isfinite(states).all(axis=1) | anew
     reason, end = "", steps
-    if lost.any() or counts["restarts"] > 1 or counts["failures"]:
-        reason, end = "diverged", int(np.argmax(lost)) if lost.any() else steps
     lean = np.einsum("ni,i->n", upright, upright[0])
     down = (com[:, 2] < robot.lowest * com[0, 2]) | (lean < math.cos(robot.tilt))
-    if down[: end + 1].any():
+    if down.any():
         reason, end = "fallen", max(int(np.argmax(down)) - 1, 0)
+    if lost.any() or counts["failures"]:
+        reason, end = "diverged", max(int(np.argmax(lost)) - 1, 0) if lost.any() else steps
     totals = {"survival": float(t[end])}
     if not reason and com[-1, 0] <= com[0, 0]:
         reason = "backward"
@@ -180,8 +181,8 @@ def judged(robot: Any, t: Array, sensed: Array, sand: Array, states: Array, coun
             "distance": com[-1, 0] - com[0, 0],
             "mean_height": np.trapezoid(com[:, 2], t) / t[-1],
             "work": abs(sand[-1, :, 4].sum()),
-            "peak_power": np.abs(sand[late[1:], :, 3]).max(),
-            "speed_loss": (np.maximum.accumulate(v) - v).max(),
+            "peak_power": np.abs(sand[late[1:], :, 3]).max(initial=0.0),
+            "speed_loss": (np.maximum.accumulate(v) - v).max(initial=0.0),
             "joint_work": np.trapezoid(power, t),
             "torque": np.abs(force).max(initial=0.0),
             "maximum_sinkage": sand[..., 5].max(),

@@ -81,6 +81,19 @@ class TestTheRobot:
         assert np.isnan(table.values[0, :5]).all()
         assert 0.1 < table.column("survival")[0] < 2.0
 
+    def test_a_model_that_is_unstable_in_the_air_is_refused(self, monkeypatch, tmp_path):
+        """Explicit damping of light feet by stiff servos: MuJoCo resets such a simulation by itself."""
+        monkeypatch.chdir(tmp_path)  # where MuJoCo writes its log
+        explicit = (
+            BIPED.read_text().replace("implicitfast", "Euler").replace('armature=".05"', 'armature=".001"')
+        )
+        with pytest.raises(SettingError, match=r"robot.model.*stable in the air"):
+            fo.FootProblem(fo.mujoco.Robot(explicit))
+
+    def test_the_air_is_checked_before_the_first_step_of_a_slow_gait(self):
+        slow = fo.mujoco.Tracker(replace(fo.Gait.human(), period=2.4, start=1.0))
+        fo.FootProblem(fo.mujoco.Robot(controller=slow))
+
     def test_a_controller_that_fails_is_named_before_a_search(self, biped):
         with pytest.raises(SettingError, match=r"robot.controller = 'no_such_motor'.*KeyError"):
             fo.FootProblem(replace(biped, controller=no_such_motor))
