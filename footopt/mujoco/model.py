@@ -91,6 +91,13 @@ class Model:
         """Columns of what is measured of each actuator, a name of `ACTUATOR`."""
         return [self.sensor(f"{prefix}{i}").start for i in range(self.compiled.nu)]
 
+    def implicit_damping(self) -> Array:
+        """Of each actuator what its force changes with its speed within a step, N m s; 0 for explicit steps."""
+        m, explicit = self.compiled, (0, 1)  # Euler's and RK4
+        if int(m.opt.integrator) in explicit:
+            return np.zeros(m.nu)
+        return np.where(m.actuator_biastype == 1, m.actuator_biasprm[:, 2], 0.0)
+
     def height_address(self) -> int:
         """The place in qpos of the robot's height: of a free joint, or of one that slides upward."""
         m, free, slide = self.compiled, 0, 2
