@@ -92,7 +92,7 @@ class Model:
         return [self.sensor(f"{prefix}{i}").start for i in range(self.compiled.nu)]
 
     def implicit_damping(self) -> Array:
-        """Of each actuator what its force changes with its speed within a step, N m s; 0 for explicit steps."""
+        """What each actuator's force changes with its speed within a step, N m s; 0 for explicit ones."""
         m, explicit = self.compiled, (0, 1)  # Euler's and RK4
         if int(m.opt.integrator) in explicit:
             return np.zeros(m.nu)

@@ -63,7 +63,7 @@ class TestTheRobot:
 
     @pytest.mark.slow
     def test_work_of_joints_hardly_depends_on_the_step(self, biped):
-        """Damping of servos is taken at the end of a step: at its beginning 2 ms would count 13 % too much."""
+        """Servos damp at the end of a step: at its beginning 2 ms would count 13 % too much."""
         coarse, fine = (
             fo.evaluate(SOLES, biped, fo.Accuracy(dt=dt, plates=16), "joint_work", SPACE).values
             for dt in (2e-3, 2.5e-4)
