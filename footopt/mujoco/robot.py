@@ -49,7 +49,7 @@ class Robot(Simulator):
     feet : sequence of str
         Names of the bodies that are feet.
     controller : Tracker, Commands or callable
-        What tells its actuators what to do. A function ``controller(model, data)`` sets ``data.ctrl`` before
+        Of its actuators. A function ``controller(model, data)`` sets ``data.ctrl`` before
         each step, from nothing but what it is given.
     sand : Sand
         The hard one by default.

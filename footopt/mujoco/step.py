@@ -67,7 +67,7 @@ FREEDOM = np.dtype(
 TWIST, BEFORE, FREE, GAINED, MEAN, END = range(6)
 
 
-#: What a step leaves of each body in `Workspace.trace`: force at its end in the world's axes, N, power, W,
+#: Columns of each body in `Workspace.trace`: force at its end in the world's axes, N, power, W,
 #: work since the first step, J, and depth at its beginning, m.
 TRACED = ("fx", "fy", "fz", "power", "work", "depth")
 

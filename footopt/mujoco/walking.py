@@ -22,7 +22,7 @@ from footopt.walk.plates import plate_states
 
 Array = NDArray[np.float64]
 
-#: What a walk measures, beside how well servos follow.
+#: Quantities that a walk measures, beside how well servos follow.
 MEASURED = (*FIVE, "joint_work", "torque", "survival", "maximum_sinkage", "peak_vertical_force")
 SLOW = 1e-6  # m/s, of what sinks at 1 m/s
 PLATES = 64  # along a sole that finds where a robot starts

@@ -38,7 +38,7 @@ class Table:
     reasons : (designs,), str
         "" or why it failed: sunk, backward, diverged.
     raw : (designs, quantities)
-        What the walks measure, columns `quantities`.
+        Measured by the walks, columns `quantities`.
     evaluations, plates : (designs,), int
         Evaluations of the contact, and of plates in them.
     rescues : (designs,), int

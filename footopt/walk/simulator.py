@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, NamedTuple
@@ -28,7 +29,7 @@ class Walked(NamedTuple):
     evaluations: NDArray[np.int64]  # of the contact
 
 
-class Simulator:
+class Simulator(ABC):
     """What walks with a foot: a robot, or a function. `Scene`, the planar walker, is built in.
 
     `footopt.simulate`, `footopt.evaluate`, `FootProblem` and all that is made of them take either. A class
@@ -63,6 +64,7 @@ class Simulator:
         """What walks, in a few words, such as "a robot of 60 kg"."""
         return ""
 
+    @abstractmethod
     def walk(self, feet: Sequence[Foot], accuracy: Accuracy, threads: int | None = None) -> Walked:
         """Walk with some feet.
 
@@ -75,7 +77,6 @@ class Simulator:
         threads : int, optional
             How many to use; by default as many as the process may run on.
         """
-        raise NotImplementedError
 
     def trace(self, foot: Foot, accuracy: Accuracy) -> Any:
         """Walk with one foot, keeping full traces: a `footopt.Walk`."""
@@ -112,7 +113,8 @@ class Simulator:
         return {"simulator": self.title}
 
     def need_heel_strike(self) -> None:
-        """Raise a `SettingError` if its walks cannot be compared."""
+        """Raise a `SettingError` if its walks cannot be compared: by default they can."""
+        return
 
     @staticmethod
     def from_function(
