@@ -111,7 +111,7 @@ def run_study(
     config, settings
         The settings, and the same as plain data: what the run is.
     overrides : sequence of str
-        What was given on the command line.
+        Settings from the command line.
     resumed : bool
         Whether it goes on with what is in the folder.
 

@@ -111,7 +111,7 @@ def test_a_refused_run_removes_no_folder_that_was_there(place, tmp_path):
     assert sorted(tmp_path.rglob("*")) == before
 
 
-#: What would take years or all memory.
+#: Settings that would take years or all memory.
 HUGE = [
     ("effects", "study.feet=1000000000"), ("robust", "study.draws=1000000000"),
     ("optimize", "study.finalists=1000000000"),
