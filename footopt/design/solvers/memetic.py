@@ -14,6 +14,7 @@ from pymoo.util.display.single import SingleObjectiveOutput
 
 from footopt.design.fronts import nondominated, ranks
 from footopt.design.known import Known
+from footopt.design.solvers.model import RankModel
 from footopt.design.solvers.moves import IDLE, RandomInside, allowed, exchanged, shifted, shifts
 from footopt.design.solvers.registry import grown
 
@@ -29,7 +30,6 @@ TWICE = 0.2  # share of the rest that are shifted twice
 CHILDREN = 1000  # a generation, of which a model chooses
 LEARNT, TRAINED = 40, 300  # designs before there is a model, and that it knows at most
 REMEMBERED = 10_000  # of the newest designs, and parents of several objectives, once there are twice as many
-WIDTH, SMOOTHING = 0.7, 1e-3  # of the model: one over its length, in the range of heights
 WORSE = 1e100  # than any value, for a model of ranks: an infeasible design, the more it violates
 FEW = 100  # parents of several objectives
 ENDS = 0.2  # share of a generation that goes for the best by one of several objectives alone
@@ -52,7 +52,8 @@ class Moves(Algorithm):
         self.proposed = Known()
         self.front = Population.new()
         self.learnt: list[tuple[Array, Array]] = []  # heights and objectives of each generation
-        self.model: tuple[Any, Array] | None = None  # of what is learnt, and its ranks
+        self.model: RankModel | None = None  # of what is learnt
+        self._collected: tuple[Any, Ints] = None, np.empty((0, 0), np.int64)
 
     def _setup(self, problem: Any, **kwargs: Any) -> None:
         self.proposed = Known()
@@ -115,7 +116,7 @@ class Moves(Algorithm):
         X = np.where((often > 0)[:, None], shifted(X, draw), X)
         X = np.where((often > 1)[:, None], shifted(X, draw), X)
         normal = draw.random(count) < NORMAL
-        return np.where(normal[:, None], like(self.pop.get("X").astype(float), count, draw), X)
+        return np.where(normal[:, None], like(self._heights().astype(float), count, draw), X)
 
     def _screened(self, X: Ints, count: int) -> Ints:
         """Of as many groups of children, the one in each that a model of the walks so far likes best."""
@@ -134,21 +135,11 @@ class Moves(Algorithm):
         return promise
 
     def _expected(self, X: Ints) -> tuple[Array, Array]:
-        """Ranks of designs (designs, n) by each objective, as a model expects them; those of whom it knows.
-
-        The model interpolates the ranks of known designs by Gaussians of their distance in heights and
-        differences of neighbours (scipy's RBFInterpolator). It knows the newest designs and the best.
-        """
-        from scipy.interpolate import RBFInterpolator
-
-        top = float(np.max(self.problem.xu))
+        """Ranks of designs (designs, n) by each objective, as a model expects them; those of known ones."""
         if self.model is None:
             known, F = self._kept(TRAINED // 2 if self.told > TRAINED else self.told)
-            rank = ranks(F) / len(F)
-            given: dict[str, Any] = {"kernel": "gaussian", "epsilon": WIDTH, "smoothing": SMOOTHING}
-            self.model = RBFInterpolator(steps(known) / top, rank, **given), rank
-        model, rank = self.model
-        return np.round(model(steps(X) / top), 6), rank  # sums in another order must not lead elsewhere
+            self.model = RankModel(known, F, float(np.max(self.problem.xu)))
+        return self.model(X), self.model.ranks
 
     @property
     def told(self) -> int:
@@ -164,8 +155,13 @@ class Moves(Algorithm):
 
     def _parents(self, count: int) -> Ints:
         """Designs (count, n) that children are made of."""
-        chosen = self.random_state.integers(len(self.pop), size=count)
-        return np.asarray(self.pop.get("X")[chosen].astype(np.int64))
+        return np.asarray(self._heights()[self.random_state.integers(len(self.pop), size=count)])
+
+    def _heights(self) -> Ints:
+        """Heights of the population, (designs, n); collected once: pymoo asks every individual."""
+        if self._collected[0] is not self.pop:
+            self._collected = self.pop, self.pop.get("X").astype(np.int64)
+        return self._collected[1]
 
     def _initialize_advance(self, infills: Any = None, **kwargs: Any) -> None:
         self.pop = Population.new()
@@ -209,7 +205,7 @@ class Memetic(Moves):
     def _parents(self, count: int) -> Ints:
         """The better, the more often: the square of a uniform number picks the place."""
         place = (len(self.pop) * self.random_state.random(count) ** 2).astype(np.int64)
-        return np.asarray(self.pop.get("X")[place].astype(np.int64))
+        return np.asarray(self._heights()[place])
 
     def _propose(self, size: int) -> Ints:
         """Where it stalls, the best one's neighbourhood, in half of a generation; then a restart."""
@@ -322,11 +318,6 @@ def like(X: Array, count: int, draw: Any) -> Ints:
     covariance = deviations.T @ deviations / max(len(X) - 1, 1) + 0.05 * np.eye(n)
     drawn = X.mean(axis=0) + draw.normal(size=(count, n)) @ np.linalg.cholesky(covariance).T
     return np.asarray(np.round(drawn).astype(np.int64))
-
-
-def steps(X: Any) -> Array:
-    """Heights and differences of neighbours, (designs, 2 n - 1): few change where a run is shifted."""
-    return np.concatenate([X, np.diff(X, axis=1)], axis=1).astype(float)
 
 
 def order(pop: Any) -> Ints:
