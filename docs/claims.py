@@ -21,7 +21,7 @@ def page() -> str:
         f"# The paper, claim by claim\n\n{summary(found)}. A margin is positive where a claim holds at the "
         "settings. A claim hangs on what the paper leaves open where another choice turns it; choices are "
         "made otherwise one at a time, and feet are searched again for each. The paper's slips are among the "
-        "[errata](../../../docs/errata.md).\n"
+        "[errata](../../../docs/evidence/errata.md).\n"
     )
     for title, head, rows in tables(found):
         text += f"\n## {title}\n\n{terminal.markdown_rows([head, ['---'] * len(head), *rows])}\n"

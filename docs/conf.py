@@ -35,16 +35,29 @@ autodoc_default_options = {"members": True, "member-order": "bysource"}
 autodoc_typehints = "none"  # types stand in the docstrings
 numpydoc_show_class_members = False
 
+EVIDENCE = (
+    "accuracy",
+    "search",
+    "fronts",
+    "rest",
+    "gaits",
+    "calibration",
+    "validation",
+    "mujoco",
+    "speed",
+    "errata",
+)
+
 #: The pages in the order of reading; the README is the first page and stays free of it.
 CONTENTS = {
-    "Start": ("docs/getting-started", "docs/commands", "docs/settings", "docs/reference", "docs/files",
-              "docs/project", "examples/README", "docs/troubleshooting"),
-    "Believe": ("docs/physics", "docs/objectives", "docs/validation", "docs/claims",
-                "outputs/reference/paper/claims", "docs/errata", "docs/gallery", "docs/benchmarks"),
-    "Choose": ("docs/accuracy", "docs/effects", "docs/solvers", "docs/robust"),
-    "Use": ("docs/python", "docs/mujoco", "docs/cluster", "docs/api"),
-    "Develop": ("docs/extending", "CONTRIBUTING", "VISION", "CHANGELOG"),
-    "All pages": ("docs/README",),
+    "Start": ("docs/getting-started", "docs/pymoo", "docs/hydra", "docs/python", "examples/README",
+              "docs/troubleshooting"),
+    "Your own": ("docs/files", "docs/mujoco", "docs/extending"),
+    "Choose": ("docs/accuracy", "docs/effects", "docs/solvers"),
+    "Believe": ("docs/physics", "docs/validation", "docs/stability", "outputs/reference/paper/claims",
+                *(f"docs/evidence/{name}" for name in EVIDENCE)),
+    "Look up": ("docs/reference", "docs/api"),
+    "Develop": ("CONTRIBUTING", "VISION", "CHANGELOG"),
 }  # fmt: skip
 
 

@@ -18,7 +18,7 @@ A scene is drawn by its number alone, so that a sample of any size begins alike.
 
 ``python tests/random_scenes.py FIRST LAST OUT.csv`` judges two feet of each scene from FIRST up to LAST, a
 row a foot (300 scenes take half an hour of one core). It continues an OUT.csv that is there, stops after the
-seconds that a fourth argument says, and prints the tables of docs/accuracy.md.
+seconds that a fourth argument says, and prints the tables of docs/evidence/accuracy.md.
 """
 
 import csv
@@ -230,7 +230,7 @@ def work_of(table):
 
 
 def promises(found):
-    """Shares of judged feet, and worst cases, of those that walk: what docs/accuracy.md has."""
+    """Shares of judged feet, and worst cases, of those that walk: what docs/evidence/accuracy.md has."""
     walked = [one for one in found if not one.truth and not one.reason]
     error, estimate = (np.array([getattr(one, name) for one in walked]) for name in ("error", "estimate"))
     worst, said = error.max(axis=1), estimate.max(axis=1)
@@ -278,7 +278,7 @@ def judged_of(row):
 
 
 def tables(rows):
-    """What docs/accuracy.md has of a sample, as lines of Markdown."""
+    """What docs/evidence/accuracy.md has of a sample, as lines of Markdown."""
     found = [judged_of(row) for row in rows]
     yield from (f"| {name} | {value:.4g} |" for name, value in promises(found).items())
     walked = [row for row, one in zip(rows, found, strict=True) if not one.reason and not one.truth]

@@ -129,7 +129,7 @@ def walk(
 
 
 def five() -> list[fo.Foot]:
-    """The flat foot, the best soles on hard and on regular sand (docs/claims.md), a circle and an ellipse."""
+    """The flat foot, the best soles on hard and on regular sand, a circle and an ellipse."""
     hard, regular = [2, 6, 6, 2, 1, 1, 1, 1, 3, 4, 1], [1, 2, 3, 4, 5, 7, 9, 10, 10, 9, 7]
     feet = [fo.Foot.flat()]
     for name, k in (("best, hard", hard), ("best, regular", regular)):

@@ -107,7 +107,7 @@ class Tolerance:
     Parameters
     ----------
     error : float
-        Largest relative error of the worst objective. It is an aim: docs/accuracy.md has how often it is met.
+        Largest relative error of the worst objective. docs/evidence/accuracy.md has how often it is met.
     name : str
         Of the preset, for tables.
     stepper, rule : str

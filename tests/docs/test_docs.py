@@ -174,13 +174,15 @@ def place(tmp_path_factory):
 
 
 @pytest.mark.slow
-def test_the_python_of_the_first_page_runs():
+def test_the_python_of_the_first_page_runs(tmp_path, monkeypatch):
     (code,) = [content for language, content, _ in blocks(TEXTS["README.md"]) if language == "python"]
-    assert "n_gen=50" in code
+    assert '("n_gen", 50)' in code
+    monkeypatch.chdir(tmp_path)
     found = {}
-    exec(code.replace("n_gen=50", "n_gen=2"), found)
+    exec(code.replace('("n_gen", 50)', '("n_gen", 2)'), found)
     assert len(found["table"].values) == 1000
-    assert len(found["result"].front) > 1
+    assert len(found["res"].F) > 1
+    assert (tmp_path / "front.png").exists()
 
 
 # --- links and extras ------------------------------------------------------------------------------

@@ -5,8 +5,8 @@ import os
 import pytest
 from random_scenes import draw, judge, promises
 
-#: Scenes by number: the first FOOTOPT_SCENES (300 are the table of docs/accuracy.md), or ten whose code other
-#: tests compile, too.
+#: Scenes by number: the first FOOTOPT_SCENES (docs/evidence/accuracy.md), or ten whose code other tests
+#: compile, too.
 SCENES = range(int(os.environ.get("FOOTOPT_SCENES", 0))) or (0, 2, 6, 9, 10, 11, 14, 5001, 5046, 5058)
 
 
