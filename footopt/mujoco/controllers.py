@@ -146,7 +146,7 @@ class Commands:
         return told
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class FunctionController:
     """A function that sets ``data.ctrl`` before each step, from the model and its data: slow, as all Python.
 
@@ -156,13 +156,22 @@ class FunctionController:
         With (model, data). Walks on several threads call it, and it may keep nothing between calls.
     """
 
-    function: Callable[[Any, Any], object] = field(compare=False)
+    function: Callable[[Any, Any], object] = field(compare=False)  # a store keeps its name and its source
     after: float = 0.0
     duration: float | None = None
     name: str = ""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "name", getattr(self.function, "__qualname__", repr(self.function)))
+
+    def _all(self) -> tuple[Any, ...]:
+        return self.function, self.after, self.duration
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, FunctionController) and self._all() == other._all()
+
+    def __hash__(self) -> int:
+        return hash(self._all())
 
 
 Controller: TypeAlias = Tracker | Commands | FunctionController

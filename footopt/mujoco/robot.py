@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any, get_args
 
 import numpy as np
@@ -19,7 +20,7 @@ from footopt.gait import Gait
 from footopt.gait.gait import Pose
 from footopt.mujoco.controllers import Controller, FunctionController, Tracker
 from footopt.mujoco.model import BIPED, Model
-from footopt.mujoco.walking import AXES, MEASURED, Job, bristles_in_world, done, poses, walk
+from footopt.mujoco.walking import AXES, MEASURED, bristles_in_world, poses, quiet, walk
 from footopt.sand import Sand
 from footopt.walk.accuracy import Accuracy, Tolerance
 from footopt.walk.batch import at_once
@@ -199,6 +200,7 @@ class Robot(Simulator):
         laws = [effect.law for effect in self.effects if effect.law is not None]
         return (*([] if self._told else [self.controller.function]), *map(type, laws))
 
+    @quiet()
     def need_heel_strike(self) -> None:
         """Raise unless it gets through its first steps in the air, so that what fails later is the sand's."""
         dt, upright = self.model.compiled.opt.timestep, replace(self, lowest=1e-9, tilt=math.pi)
@@ -226,20 +228,19 @@ class Robot(Simulator):
         """The time step, halved from the model's, and the plates that meet a tolerance (`walk.ladder`)."""
         return _ladder(replace(of, name="", refinements=0), self, soles, of.refinements)
 
+    @quiet()
     def walk(self, feet: Sequence[Foot], accuracy: Accuracy, threads: int | None = None) -> Walked:
         """Walk with some feet."""
         workers = min(at_once(threads), len(feet)) if self._told else 1
-        one = [Job(self, foot, accuracy, self._end) for foot in feet]
-        if workers > 1:
-            with ThreadPoolExecutor(workers) as pool:
-                found = list(pool.map(done, one))
-        else:
-            found = list(map(done, one))
+        one = partial(walk, self, accuracy=accuracy, end=self._end)
+        with ThreadPoolExecutor(workers) if workers > 1 else nullcontext() as pool:
+            found = list((pool.map if pool else map)(one, feet))
         raw = np.array([[each.totals.get(name, np.nan) for name in self.quantities] for each in found])
         raw = raw.reshape(-1, len(self.quantities))
         reasons = np.array([each.reason for each in found], np.str_)
         return Walked(raw, reasons, np.array([each.evaluations for each in found], np.int64))
 
+    @quiet()
     def trace(self, foot: Foot, accuracy: Accuracy) -> RobotWalk:
         """Walk with one foot, keeping full traces."""
         found = walk(self, foot, accuracy, self._end, traced=True)

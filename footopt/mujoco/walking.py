@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any, NamedTuple
@@ -30,13 +32,6 @@ DEEPEST = 100.0  # m, to which a robot may sink at first
 AXES = [0, 2]  # x and z of three
 
 
-class Job(NamedTuple):
-    robot: Any
-    foot: Foot
-    accuracy: Accuracy
-    end: float
-
-
 class Found(NamedTuple):
     """What a walk leaves: until it fails, if it does."""
 
@@ -51,8 +46,16 @@ class Found(NamedTuple):
     bristles: Array  # (T, feet, 3, faces), in the feet's own axes; empty unless they are traced
 
 
-def done(job: Job) -> Found:
-    return walk(*job)
+@contextmanager
+def quiet() -> Iterator[None]:
+    """Of walks that diverge, MuJoCo neither warns nor writes a log: they have a reason."""
+    mujoco = needed("mujoco", "fo.mujoco.Robot", "mujoco")
+    before = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(lambda message: None)
+    try:
+        yield
+    finally:
+        mujoco.set_mju_user_warning(before)
 
 
 def walk(robot: Any, foot: Foot | None, accuracy: Accuracy, end: float, traced: bool = False) -> Found:

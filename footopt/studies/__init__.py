@@ -8,7 +8,15 @@ from typing import Any, get_type_hints
 
 from footopt.design import RobustProblem
 from footopt.foot import Foot, Waypoints
-from footopt.studies.settings import GROUP_OPTIONS, STUDIES, SpreadConfig, StudySettings, default, setting
+from footopt.studies.settings import (
+    GLOBAL_OPTIONS,
+    GROUP_OPTIONS,
+    STUDIES,
+    SpreadConfig,
+    StudySettings,
+    default,
+    setting,
+)
 from footopt.walk.accuracy import FINER
 
 __all__ = ["STUDIES", "StudySettings"]
@@ -128,6 +136,18 @@ class Robust(SearchSettings):
 
 
 @dataclass
+class Transfer(SearchSettings):
+    """Feet designed on the walker and on a robot, each walked on both: which model is to be trusted?"""
+
+    name: str = "transfer"
+    sands: list[Any] = setting(["soft", "regular", "hard"], "The sands, by name or zeta.")
+    walks: int = setting(10_000, "Designs that a search on the walker evaluates; solver.walks: on the robot.")
+    soles: int = setting(200, "Random soles that both simulators rank.")
+    brings = (("simulator", "biped"),)
+    reads = (*WORLD, *ROBOT, *SPACE, "foot.shape", "foot.k", "accuracy", "objective", "solver", "engine")
+
+
+@dataclass
 class Export(StudySettings):
     """The foot of a run as files to make it from; foot.k chooses another of its soles."""
 
@@ -179,10 +199,14 @@ def _add(kind: type[StudySettings]) -> str:
     """Add one of footopt's own studies: the module of its name is imported when it is run."""
     name = kind.name
     STUDIES[name] = kind, lambda study: import_module(f"footopt.studies.{name}").run(study)
-    GROUP_OPTIONS["study"][name] = kind
+    if kind.brings:
+        brought = [{f"override /{group}": choice} for group, choice in kind.brings]
+        GLOBAL_OPTIONS["study"][name] = {"defaults": brought, "study": kind()}
+    else:
+        GROUP_OPTIONS["study"][name] = kind
     return name
 
 
 #: Names of footopt's own studies; a plugin adds its own to `STUDIES`.
-BUILT_IN = tuple(map(_add, (Optimize, Simulate, Ladder, Stability, Audit, Paper, Robust, Export, Compare,
-                            Doctor, Validate, Calibrate)))  # fmt: skip
+BUILT_IN = tuple(map(_add, (Optimize, Simulate, Ladder, Stability, Audit, Paper, Robust, Transfer, Export,
+                            Compare, Doctor, Validate, Calibrate)))  # fmt: skip

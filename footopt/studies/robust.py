@@ -78,13 +78,13 @@ def run(study: Study) -> None:
                 owner.scene, problem.names, owner.space(problem.space), problem.accuracy, problem.threads
             )
             tell = report_generations(step, problem.ranking_objective, 1, f"{owner.name}: ")
-            result = _search(study, alone, solver, owner.name, executor, tell)
+            result = searched(study, alone, solver, owner.name, executor, tell)
             feet[owner.name] = result.k[confirm(result, finer, options.finalists).designs[0]]
             study.say(f"specialist, {owner.name}: {terminal.describe_search(result)}")
         problem.references = compare(problem, feet).references
         sought = f"{options.measure} {problem.ranking_objective} relative to the specialists'"
         tell = report_generations(step, sought, len(scenarios), f"{ROBUST}: ")
-        result = _search(study, problem, solver, ROBUST, executor, tell)
+        result = searched(study, problem, solver, ROBUST, executor, tell)
     confirmed = confirm(result, finer, options.finalists)
     feet[ROBUST] = result.k[confirmed.designs[0]]
     study.say(
@@ -143,7 +143,7 @@ def make_scenarios(config: Config, scene: Scene) -> tuple[Scenario, ...]:
     return sands(scene) if options.scenarios == "sands" else plausible_laws(scene)
 
 
-def _search(
+def searched(
     study: Study, problem: FootProblem, solver: Solver, name: str, executor: Executor | None, tell: Any
 ) -> SearchResult:
     """A search whose evaluations are kept; an interrupted one ends the study."""

@@ -100,6 +100,8 @@ class StudySettings:
     name: str = setting("optimize", "The question; with study=own, of a plugin.")
     #: Groups and single settings that the study reads besides its own.
     reads: ClassVar[tuple[str, ...]] = ()
+    #: Choices of other groups that come with it, unless others are made.
+    brings: ClassVar[tuple[tuple[str, str], ...]] = ()
 
 
 #: Studies by name: the settings of each, and the function that is called with a `Study`. Each module adds
@@ -337,6 +339,7 @@ OF_ROBOTS = {"defaults": [{"override /accuracy": "coarse"}], "solver": {"walks":
 
 #: Choices that change another group, too: a solver for several objectives searches the paper's five.
 GLOBAL_OPTIONS: dict[str, dict[str, dict[str, Any]]] = {
+    "study": {},
     "simulator": {name: {"simulator": {"name": name}, **OF_ROBOTS} for name in ("biped", "robot")},
     "solver": {
         name: {"defaults": [{"override /objective": "pareto"}], "solver": {"name": name}} for name in SEVERAL

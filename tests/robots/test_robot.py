@@ -90,14 +90,16 @@ class TestTheRobot:
         assert np.isnan(table.values[0, :5]).all()
         assert 0.1 < table.column("survival")[0] < 2.0
 
-    def test_a_model_that_is_unstable_in_the_air_is_refused(self, monkeypatch, tmp_path):
+    def test_a_model_that_is_unstable_in_the_air_is_refused(self, monkeypatch, tmp_path, capfd):
         """Explicit damping of light feet by stiff servos: MuJoCo resets such a simulation by itself."""
-        monkeypatch.chdir(tmp_path)  # where MuJoCo writes its log
+        monkeypatch.chdir(tmp_path)  # where MuJoCo would write its log
         explicit = (
             BIPED.read_text().replace("implicitfast", "Euler").replace('armature=".05"', 'armature=".001"')
         )
         with pytest.raises(SettingError, match=r"robot.model.*stable in the air"):
             fo.FootProblem(fo.mujoco.Robot(explicit))
+        assert not [*tmp_path.iterdir()]
+        assert capfd.readouterr() == ("", "")
 
     def test_the_air_is_checked_before_the_first_step_of_a_slow_gait(self):
         slow = fo.mujoco.Tracker(replace(fo.Gait.human(), period=2.4, start=1.0))
@@ -129,6 +131,12 @@ class TestTheRobot:
         soft = replace(biped, sand=fo.Sand.named("soft"))
         assert soft.model is biped.model
         assert soft != biped
+
+    def test_two_functions_of_one_name_are_two_controllers(self, biped):
+        one, other = (replace(biped, controller=lambda model, data: None) for _ in range(2))
+        assert one.controller.name == other.controller.name
+        assert one != other
+        assert one == replace(one)
 
     @pytest.mark.parametrize(
         ("setting", "options"),

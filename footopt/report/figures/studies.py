@@ -1,4 +1,4 @@
-"""Figures of the studies accuracy (error against time) and calibrate (zeta by depth)."""
+"""Figures of the studies accuracy (error against time), calibrate (zeta by depth) and transfer (losses)."""
 
 from __future__ import annotations
 
@@ -50,5 +50,27 @@ def calibration(found: Any) -> Figure:
     axes.set_xlim(0.0, None)
     axes.set_ylim(0.0, min(HIGHEST * found.zeta.value, 1.1 * float(np.max(found.local))))
     axes.grid()
+    style.legend_above(figure)
+    return figure
+
+
+@style.styled()
+def transfer(found: Sequence[Any], objective: str) -> Figure:
+    """What feet lose on both simulators (`footopt.studies.transfer.Comparison`), bars for each sand."""
+    figure = style.new_figure(style.PAGE, 2.6)
+    colours = {"flat": style.FLAT, "walker": style.DESIGNS, "robot": style.BEST}
+    places = np.arange(len(found))
+    for axes, side in zip(figure.subplots(1, 2, sharey=True), found[0].values, strict=True):
+        for i, foot in enumerate(found[0].feet):
+            losses = [100.0 * t.losses[side][foot] for t in found]
+            looks = {"color": colours[foot], "label": "flat" if foot == "flat" else f"designed on the {foot}"}
+            bars = axes.bar(places + 0.27 * (i - 1), losses, 0.25, **looks)
+            axes.bar_label(bars, fmt="{:.0f}", fontsize=7, padding=1)
+        sands = [f"{t.sand.name}\n$\\tau$ = {t.tau:.2f}" for t in found]
+        axes.set_xticks(places, sands)
+        axes.set_title(f"walked on the {side}")
+        axes.tick_params(bottom=False)
+    name = "$J_W$" if objective == "efficiency" else objective.replace("_", " ")
+    figure.axes[0].set_ylabel(f"loss of {name} against\nthe better design (%)")
     style.legend_above(figure)
     return figure

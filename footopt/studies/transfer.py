@@ -1,0 +1,196 @@
+"""study=transfer: feet designed on the planar walker and on a robot, each walked on both."""
+
+from __future__ import annotations
+
+from concurrent.futures import Executor
+from contextlib import AbstractContextManager
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from rich.table import Table
+
+from footopt.design import FootProblem, Solver, confirm, make_executor
+from footopt.design.robust import regret
+from footopt.errors import SettingError, check, check_whole
+from footopt.foot import Foot, Waypoints
+from footopt.report import terminal
+from footopt.report.figures.studies import transfer as draw
+from footopt.report.numbers import number
+from footopt.report.progress import report_generations
+from footopt.sand import MEDIA, Sand
+from footopt.studies.base import Study, accuracy_entry
+from footopt.studies.build import check_searchable
+from footopt.studies.robust import searched
+from footopt.walk import FIVE, MEASURES, Scene, Simulator, evaluate
+from footopt.walk.accuracy import AnyAccuracy, confirming, resolve
+
+Array = NDArray[np.float64]
+
+ENOUGH = 0.1  # of the objective: who loses less on the robot has the walker's answer as good as its own
+FLAT, WALKER, ROBOT = "flat", "walker", "robot"
+CAPTION = (
+    "What each foot loses against the better one of the two designed feet, walked on the walker and on the "
+    "robot; tau ranks random soles by both."
+)
+
+
+@dataclass(frozen=True)
+class Side:
+    """One of the two simulators on a sand, and how finely it searches and judges."""
+
+    name: str
+    simulator: Scene | Simulator
+    accuracy: AnyAccuracy
+    finer: AnyAccuracy
+    walks: int | None
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Feet on one sand: the flat one, that of the walker and that of the robot, walked on both."""
+
+    sand: Sand
+    feet: dict[str, Foot]
+    values: dict[str, dict[str, dict[str, float]]]  # by side, foot and objective
+    losses: dict[str, dict[str, float]]  # by side and foot, against the better of the designed ones
+    tau: float  # Kendall's, of random soles
+    ranked: int  # how many of these walk on both
+
+
+def run(study: Study) -> None:
+    """Design feet on both simulators on every sand, walk with each on both, and rank random soles."""
+    config, options = study.config, study.options
+    check_searchable(config.foot)
+    names = config.objective.names
+    check(len(names) == 1, "objective", names, "one objective", "Such as objective=efficiency.")
+    check_whole(options.soles, "study.soles", 2, 100_000)
+    robot: Any = study.simulator
+    if isinstance(robot, Scene):
+        raise SettingError("simulator", WALKER, "a robot, to compare with the walker", "Try simulator=biped.")
+    solver = Solver(**vars(config.solver)).fitting(1)
+    solver.check_space(study.space)
+    k = study.space.random(options.soles, seed=study.seed, inside=True)
+    planar, e, found = resolve("standard"), config.engine, []
+    for sand in map(named, options.sands):
+        sides = (
+            Side(WALKER, replace(study.scene, sand=sand), planar, confirming("finer", planar), options.walks),
+            Side(ROBOT, replace(robot, sand=sand), study.accuracy, study.finer_accuracy, solver.walks),
+        )
+        with make_executor(e.name, e.workers, e.address, e.timeout) as executor:
+            feet = {FLAT: Foot.flat(study.space)}
+            for side in sides:
+                feet[side.name] = _designed(study, side, names[0], solver, executor)
+        found.append(_compared(sand, sides, feet, names[0], k, study.space, study.threads))
+        study.say(describe(found[-1], names[0]))
+    columns = [*found[0].values[ROBOT][FLAT]]
+    rows = (
+        [t.sand.name, t.sand.zeta, foot, side, *t.values[side][foot].values(), t.losses[side][foot]]
+        for t in found
+        for foot in t.feet
+        for side in t.values
+    )
+    study.write_csv("transfer.csv", ["sand", "zeta", "foot", "walked_on", *columns, "loss"], rows)
+    study.save("transfer", draw(found, names[0]), CAPTION)
+    study.conclude(
+        "Which model should a foot be designed on?",
+        [table(found, names[0])],
+        {
+            "seed": solver.seed,
+            "solver": asdict(solver),
+            "objective_names": names,
+            "search_accuracy": accuracy_entry(study.accuracy, robot, study.space),
+            "transfer": [
+                {
+                    "sand": t.sand.name,
+                    "zeta": t.sand.zeta,
+                    "feet": {name: foot.k for name, foot in t.feet.items()},
+                    "values": t.values,
+                    "losses": t.losses,
+                    "tau": t.tau,
+                    "soles": t.ranked,
+                }
+                for t in found
+            ],
+        },
+        summary=[describe(t, names[0]) for t in found],
+    )
+
+
+def named(sand: Any) -> Sand:
+    """A sand by its name, or by its zeta."""
+    return Sand.named(sand) if sand in MEDIA else Sand(zeta=_zeta(sand), name=f"zeta {sand}")
+
+
+def _zeta(sand: Any) -> float:
+    try:
+        return float(sand)
+    except ValueError:
+        raise SettingError("study.sands", sand, f"a zeta, or one of {', '.join(MEDIA)}") from None
+
+
+def _designed(study: Study, side: Side, objective: str, solver: Solver, executor: Executor | None) -> Foot:
+    """The best foot that a search on one side finds, its finalists walked more finely."""
+    problem = FootProblem(side.simulator, objective, study.space, side.accuracy, study.threads)
+    asked = replace(solver, walks=side.walks)
+    bar: AbstractContextManager[Any] = study.progress(asked.generations(study.space), "generation")
+    name = f"{problem.scene.title}, {side.name}"
+    with bar as step:
+        result = searched(study, problem, asked, name, executor, report_generations(step, objective))
+    study.say(f"{name}: {terminal.describe_search(result)}")
+    best = confirm(result, side.finer, study.options.finalists).designs[0]
+    return replace(Foot.from_waypoints(result.k[best].tolist(), study.space), name=side.name)
+
+
+def _compared(
+    sand: Sand, sides: tuple[Side, Side], feet: dict[str, Foot], objective: str, k: NDArray[np.int64],
+    space: Waypoints, threads: int | None,
+) -> Comparison:  # fmt: skip
+    """All feet on both sides, and the order of random soles `k` by both."""
+    from scipy.stats import kendalltau
+
+    values, losses, ranked = {}, {}, []
+    for side in sides:
+        names = list(dict.fromkeys((*FIVE, "joint_work", objective)))
+        walked = evaluate(list(feet.values()), side.simulator, side.finer, names, space, threads).values
+        values[side.name] = {
+            foot: dict(zip(names, row, strict=True)) for foot, row in zip(feet, walked.tolist(), strict=True)
+        }
+        own = walked[:, names.index(objective)]
+        sign = MEASURES[objective].sign
+        best = np.asarray(sign * np.nanmin(sign * own[1:]))
+        losses[side.name] = dict(zip(feet, regret(own, best, objective).tolist(), strict=True))
+        ranked.append(evaluate(k, side.simulator, side.accuracy, objective, space, threads).values[:, 0])
+    good = np.isfinite(ranked).all(axis=0)
+    tau = float(kendalltau(ranked[0][good], ranked[1][good]).statistic)
+    return Comparison(sand, feet, values, losses, tau, int(good.sum()))
+
+
+def describe(found: Comparison, objective: str) -> str:
+    """The answer for a sand in words."""
+    loss, what = found.losses[ROBOT][WALKER], objective.replace("_", " ")
+    answer = "the walker is enough" if loss <= ENOUGH else "design on the robot"
+    if found.losses[ROBOT][ROBOT] > 0.0:
+        answer = "the robot's search found no better foot than the walker's; more solver.walks may"
+    return (
+        f"{found.sand.name} sand: {answer}. The walker's foot loses {100 * loss:.1f} % of {what} on the "
+        f"robot, the robot's foot {100 * found.losses[WALKER][ROBOT]:.1f} % on the walker; Kendall's tau of "
+        f"{found.ranked} random soles is {found.tau:.2f}."
+    )
+
+
+def table(found: list[Comparison], objective: str) -> Table:
+    """The feet on the robot, and what they lose on both simulators."""
+    names = list(dict.fromkeys((objective, "peak_power", "speed_loss", "joint_work")))
+    heads = [f"{name.replace('_', ' ')} ({MEASURES[name].unit})".removesuffix(" ()") for name in names]
+    columns = ("sand", "foot", *heads, "lost (%)", "on the walker")
+    shown = terminal.table(
+        columns, words=("sand", "foot"), title="On the robot; lost against the better design"
+    )
+    for t in found:
+        for foot in t.feet:
+            values = t.values[ROBOT][foot]
+            lost = (f"{100 * t.losses[side][foot]:.1f}" for side in (ROBOT, WALKER))
+            shown.add_row(t.sand.name, foot, *(number(values[name]) for name in names), *lost)
+    return shown
