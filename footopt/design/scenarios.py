@@ -39,14 +39,14 @@ class Scenario:
     ----------
     name : str
         For tables and the reasons of failed walks.
-    scene : Scene
+    scene : Scene or Simulator
         The scene to simulate.
     ankle : (float, float), m
         Added to the ankle's place in the foot frame.
     """
 
     name: str
-    scene: Scene
+    scene: Any
     ankle: tuple[float, float] = (0.0, 0.0)
 
     def space(self, space: Waypoints) -> Waypoints:
@@ -137,13 +137,13 @@ def scale_zeta(scene: Any, factor: float) -> Any:
     return replace(scene, sand=replace(scene.sand, zeta=scene.sand.zeta * factor))
 
 
-def draw(scene: Scene, spread: Spread, count: int, seed: int = 1) -> tuple[Scenario, ...]:
+def draw(scene: Any, spread: Spread, count: int, seed: int = 1) -> tuple[Scenario, ...]:
     """Equally probable scenarios about a scene, by Latin hypercube sampling.
 
     Parameters
     ----------
-    scene : Scene
-        The median of all.
+    scene : Scene or Simulator
+        The median of all. A robot that tracks a gait keeps its mass.
     spread : Spread
         How far they lie apart.
     count : int
@@ -155,32 +155,32 @@ def draw(scene: Scene, spread: Spread, count: int, seed: int = 1) -> tuple[Scena
     Raises
     ------
     SettingError
-        `count` is not from 1 to 10,000.
+        `count` is not from 1 to 10,000, or a robot tracks no gait.
     """
     from scipy.special import ndtri
 
     check_whole(count, "study.draws", 1, 10_000)
+    check(scene.gait is not None, "study.scenarios", "drawn", "sands or laws for a robot that tracks no gait")
     rng = np.random.default_rng(seed)
     strata = np.stack([rng.permutation(count) for _ in COLUMNS], axis=1)
     normals = ndtri((strata + rng.random(strata.shape)) / count)
     return tuple(vary(scene, spread, row, f"draw {i}") for i, row in enumerate(normals, start=1))
 
 
-def vary(scene: Scene, spread: Spread, normals: Array, name: str = "varied") -> Scenario:
+def vary(scene: Any, spread: Spread, normals: Array, name: str = "varied") -> Scenario:
     """A scene moved by standard normal variables, one for each of `COLUMNS`."""
     zeta, mass, period, stride, ankle_x, ankle_z, *angles = normals.tolist()
     # a cosine and a sine of equal variance add up to that variance at every phase
     thigh, knee = np.split(spread.angles / math.sqrt(1 + DEFORMATION) * np.array(angles), 2)
     gait = deformed(scene.gait, 1.0 + spread.stride * stride, thigh, knee)
-    return Scenario(
-        name,
-        replace(
-            scale_zeta(scene, math.exp(spread.zeta * zeta)),
-            walker=replace(scene.walker, mass=scene.walker.mass * math.exp(spread.mass * mass)),
-            gait=replace(gait, period=gait.period * math.exp(spread.period * period)),
-        ),
-        ankle=(spread.ankle_x * ankle_x, spread.ankle_z * ankle_z),
-    )
+    gait = replace(gait, period=gait.period * math.exp(spread.period * period))
+    if isinstance(scene, Scene):
+        walker = replace(scene.walker, mass=scene.walker.mass * math.exp(spread.mass * mass))
+        moved: Any = replace(scene, walker=walker, gait=gait)
+    else:
+        moved = scene.tracking(gait)
+    ankle = spread.ankle_x * ankle_x, spread.ankle_z * ankle_z
+    return Scenario(name, scale_zeta(moved, math.exp(spread.zeta * zeta)), ankle)
 
 
 def deformed(gait: Gait, swing: float, thigh: Array, knee: Array) -> Gait:

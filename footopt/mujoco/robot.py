@@ -147,9 +147,20 @@ class Robot(Simulator):
     @property
     def planar(self) -> Scene:
         """Its sand and effects, and its gravity, as those of a `Scene`."""
-        gait = self.controller.gait if isinstance(self.controller, Tracker) else Gait.human()
         walker = Walker(mass=self.weight / self.g, g=self.g)
-        return Scene(self.sand, gait, walker, self.duration, tuple(self.effects))
+        return Scene(self.sand, self.gait or Gait.human(), walker, self.duration, tuple(self.effects))
+
+    @property
+    def gait(self) -> Gait | None:
+        """The gait that its servos track, if they do."""
+        return self.controller.gait if isinstance(self.controller, Tracker) else None
+
+    def tracking(self, gait: Gait) -> Robot:
+        """It with another gait that it tracks; times that are not its own are those of the gait."""
+        old, new = self.controller, replace(self.controller, gait=gait)
+        duration = None if self.duration == old.duration else self.duration
+        after = None if self.after == old.after else self.after
+        return replace(self, controller=new, duration=duration, after=after)
 
     @property
     def g(self) -> float:
@@ -159,13 +170,12 @@ class Robot(Simulator):
     @property
     def strikes(self) -> Array:
         """Heel strikes of a gait that it tracks, s."""
-        tracks = isinstance(self.controller, Tracker)
-        return self.controller.gait.heel_strikes(self._end) if tracks else np.empty(0)
+        return self.gait.heel_strikes(self._end) if self.gait else np.empty(0)
 
     @property
     def stride(self) -> float:
         """Duration of a stride of that gait, s; of a walk where there is none."""
-        return self.controller.gait.period if isinstance(self.controller, Tracker) else self._end
+        return self.gait.period if self.gait else self._end
 
     @property
     def holds(self) -> bool:
@@ -176,8 +186,8 @@ class Robot(Simulator):
     def about(self) -> str:
         """What walks, in a line."""
         m, told = self.model.compiled, type(self.controller).__name__
-        if isinstance(self.controller, Tracker):
-            told = f"servos that track gait {self.controller.gait.name}, stride {self.stride:.4g} s"
+        if self.gait:
+            told = f"servos that track gait {self.gait.name}, stride {self.stride:.4g} s"
         return f"Robot: {m.body_mass.sum():.3g} kg, feet {', '.join(self.feet)}; {told}"
 
     def entry(self) -> dict[str, Any]:

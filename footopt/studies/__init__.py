@@ -44,7 +44,7 @@ class SearchSettings(StudySettings):
     finalists: int = setting(20, "How many of the best are walked again, and by other laws; a front whole.")
     store: str | None = setting(None, "File of designs that runs may share; null: one in the folder.")
     reuse: bool = setting(False, "Whether to read what other code has walked from the store.")
-    reads = (*SCENE, *SPACE, "foot.shape", "foot.k", "accuracy", "objective", "solver", "engine")
+    reads = (*SCENE, *ROBOT, *SPACE, "foot.shape", "foot.k", "accuracy", "objective", "solver", "engine")
 
 
 @dataclass
@@ -59,7 +59,7 @@ class Optimize(SearchSettings):
         None, "Heights of the sole that a search begins with, or of several in a row."
     )
     video: str | None = setting(None, VIDEO)
-    reads = (*SearchSettings.reads, *ROBOT, "choose", "foot.block")
+    reads = (*SearchSettings.reads, "choose", "foot.block")
 
 
 @dataclass

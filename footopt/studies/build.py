@@ -26,7 +26,7 @@ from footopt.gait import Gait
 from footopt.mujoco.controllers import Tracker
 from footopt.mujoco.robot import Robot
 from footopt.sand import GENERIC, MEDIA, Sand, StressMap
-from footopt.studies import SCENE
+from footopt.studies import ROBOT, SCENE
 from footopt.studies.settings import (
     SETTING_OF_GROUP,
     AccuracyConfig,
@@ -67,7 +67,7 @@ def in_world_of_run(
     line; what differs from `default` has been given, too.
     """
     run = identity.read(Path(settings["study"]["run"]).expanduser(), "run").settings
-    world = {name: run[name] for name in (*SCENE, "accuracy")}
+    world = {name: run[name] for name in (*SCENE, *ROBOT, "accuracy")}
     if confirm := run["study"].get("confirm"):
         finer = confirming(confirm, make_accuracy(AccuracyConfig(**run["accuracy"])))
         world["accuracy"] = dict.fromkeys(run["accuracy"]) | {"name": finer.name}

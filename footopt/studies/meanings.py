@@ -56,7 +56,8 @@ ONLY: tuple[tuple[tuple[str, ...], str, Callable[[Config], bool]], ...] = (
     (("foot.shape", *WORN), "study=simulate without run", lambda c: not _of_run(c)),
     (("gait.names", "gait.side", "gait.window"), "gait=file gait.path=walk.mot", lambda c: bool(c.gait.path)),
     (("robot",), "simulator=robot, biped", lambda c: c.simulator.name != "walker"),
-    (("walker", "scene", "effects.auto"), "simulator=walker", lambda c: c.simulator.name == "walker"),
+    (("walker", "scene", "effects.auto", "study.spread.mass"), "simulator=walker",
+     lambda c: c.simulator.name == "walker"),
     (("gait",), "a robot without robot.controller",
      lambda c: c.simulator.name == "walker" or not c.robot.controller),
     (("robot.joints",), "a robot without robot.controller", lambda c: not c.robot.controller),
@@ -178,6 +179,9 @@ def checked(config: Config, overrides: Iterable[str]) -> Config:
     name = config.study.name
     if config.engine.name != "local" and not isinstance(config.study, SearchSettings):
         raise SettingError("engine", config.engine.name, f"local for study={name}")
+    reads, simulator = read_by(name), config.simulator.name
+    if simulator != "walker" and covers("walker", reads) and not covers("simulator", reads):
+        raise SettingError("simulator", simulator, f"walker for study={name}")
     if name != "optimize" and (limits := make_limits(config)):
         raise SettingError("constraint", limits, f"left out for study={name}", "study=optimize keeps limits.")
     return config

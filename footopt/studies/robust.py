@@ -31,7 +31,7 @@ from footopt.studies.base import Study, accuracy_entry, foot_entry, scene_entry
 from footopt.studies.build import check_searchable, make_spread
 from footopt.studies.settings import Config
 from footopt.studies.validation.model import model_error
-from footopt.walk import MEASURES, Scene, simulate
+from footopt.walk import MEASURES, Scene, Simulator, simulate
 from footopt.walk.ladder import numerics
 
 Array = NDArray[np.float64]
@@ -57,7 +57,8 @@ def run(study: Study) -> None:
     config, options, finer = study.config, study.options, study.finer_accuracy
     check_searchable(config.foot)
     check_finalists(options.finalists)
-    scene, scenarios = study.scene, make_scenarios(config, study.scene)
+    scene: Any = study.simulator
+    scenarios = make_scenarios(config, scene)
     problem = RobustProblem(
         scenarios, config.objective.names, study.space, study.accuracy, study.threads, options.measure,
         options.tail, references=np.ones(len(scenarios)),
@@ -133,7 +134,7 @@ def run(study: Study) -> None:
     )
 
 
-def make_scenarios(config: Config, scene: Scene) -> tuple[Scenario, ...]:
+def make_scenarios(config: Config, scene: Scene | Simulator) -> tuple[Scenario, ...]:
     """The scenarios that the settings ask for about a scene."""
     options = config.study
     check(options.scenarios in SOURCES, "study.scenarios", options.scenarios, f"one of {', '.join(SOURCES)}")

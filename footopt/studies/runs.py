@@ -28,11 +28,11 @@ from footopt.studies.build import (
     make_accuracy,
     make_foot,
     make_problem,
-    make_scene,
+    make_simulator,
 )
 from footopt.studies.meanings import checked, within
 from footopt.studies.settings import REPORTS, STUDIES, Config, FootConfig, structured
-from footopt.walk import Accuracy, Scene, Walk, simulate
+from footopt.walk import Accuracy, Walk, simulate
 from footopt.walk.accuracy import AnyAccuracy
 from footopt.walk.batch import at_once
 
@@ -218,14 +218,14 @@ class Run:
         return foot_of(self.folder)
 
     @cached_property
-    def scene(self) -> Scene:
-        """Where it walked, with the effects that `effects=auto` decided for."""
+    def scene(self) -> Any:
+        """The `Scene` or robot that walked, with the effects that `effects=auto` decided for."""
         if self.config.plugins and not self.trusted:
             hint = "Read what they do, then load the run with trust=True."
             raise FileError(f"{self.folder}: its settings name plugins, which are code. {hint}")
         load_plugins(self.config.plugins)
         given = self.config.effects
-        scene = make_scene(replace(self.config, effects=replace(given, auto=False)))
+        scene: Any = make_simulator(replace(self.config, effects=replace(given, auto=False)))
         if not given.auto:
             return scene
         if not self.result:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from footopt.effects.base import Effect
 from footopt.errors import SettingError, check
 from footopt.foot import Foot, Waypoints
+from footopt.gait import Gait
 from footopt.sand import Sand
 from footopt.sand.law import EARTH
 from footopt.walk.accuracy import Accuracy, Tolerance
@@ -58,6 +59,11 @@ class Simulator(ABC):
     def g(self) -> float:
         """Gravity, m/s^2."""
         return EARTH
+
+    @property
+    def gait(self) -> Gait | None:
+        """The gait that it tracks, if it does."""
+        return None
 
     @property
     def body(self) -> str:

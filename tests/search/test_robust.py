@@ -52,6 +52,21 @@ class TestScenarios:
             assert np.mean(values) == pytest.approx(middle, abs=0.02 * sigma)
             assert np.std(values) == pytest.approx(sigma, rel=0.05)
 
+    def test_a_robot_that_tracks_a_gait_is_told_another_and_keeps_its_body(self):
+        pytest.importorskip("mujoco")
+        robot = fo.mujoco.Robot()
+        gaits = [s.scene.gait for s in fo.draw(fo.Scene(sand=robot.sand), fo.Spread(), 3)]
+        for scenario, gait in zip(fo.draw(robot, fo.Spread(), 3), gaits, strict=True):
+            moved = scenario.scene
+            assert (moved.gait, moved.model) == (gait, robot.model)
+            assert moved.duration == gait.start + 2.0 * gait.period
+            assert moved.after == gait.heel_strike
+            assert moved.sand.zeta != robot.sand.zeta
+        (own,) = fo.draw(replace(robot, duration=1.4), fo.Spread(), 1)
+        assert own.scene.duration == 1.4
+        with pytest.raises(SettingError, match=r"study.scenarios"):
+            fo.draw(replace(robot, controller=print), fo.Spread(), 1)
+
     def test_angles_differ_by_as_much_at_every_phase_of_the_stride(self):
         drawn = fo.draw(fo.Scene(), replace(NOTHING, angles=3.0), 400)
         phase = np.linspace(0, 1, 7)

@@ -9,6 +9,7 @@ from running import composed, footopt, unrender
 import footopt as fo
 from footopt.errors import FileError, SettingError
 from footopt.files import identity
+from footopt.studies.meanings import checked
 
 WORDS = [
     *("sand=soft", "accuracy=draft", "objective.names=[distance,work]", "solver=nsga2", "solver.pop_size=8"),
@@ -158,3 +159,26 @@ def test_all_runs_are_a_table_with_a_column_for_each_setting_objective_and_time(
     assert notes[str(cwd / "out/sweep/0")] == "sunk"
     assert notes[str(walk.folder)] == ""
     assert row["overrides"] == " ".join(WORDS)
+
+
+@pytest.mark.slow
+def test_a_robots_run_is_loaded_and_walked_again_as_a_robot(tmp_path, monkeypatch):
+    pytest.importorskip("mujoco")
+    unrender(monkeypatch)
+    monkeypatch.chdir(tmp_path)
+    words = ["study=simulate", "simulator=biped", "sand=soft", "accuracy=custom", "accuracy.dt=2e-3"]
+    run = fo.run([*words, "robot.duration=1.4", "foot.k=[1,2,3,2,1]", "foot.n=5"], folder="first")
+    assert run.scene == fo.mujoco.Robot(sand=fo.Sand.named("soft"), duration=1.4)
+    again = fo.run(["study=simulate", "study.run=first"], folder="again")
+    assert again.best == run.best
+    assert again.scene == run.scene
+    with pytest.raises(SettingError, match="scene.t_f"):
+        fo.run(["study=simulate", "study.run=first", "scene.t_f=2"])
+
+
+@pytest.mark.parametrize("study", ["effects", "accuracy", "stability", "paper"])
+def test_a_study_of_the_walker_refuses_a_robot_wherever_it_is_named(study):
+    """Also in a file of settings, which may name what a study does not read."""
+    config = composed(f"study={study}", "simulator=biped")
+    with pytest.raises(SettingError, match="simulator"):
+        checked(config, [])

@@ -12,7 +12,7 @@ import numpy as np
 
 from footopt.design.scenarios import Spread, harder_and_softer
 from footopt.effects import name_of
-from footopt.walk import FIVE, Walk, evaluate
+from footopt.walk import FIVE, Scene, Walk, evaluate
 from footopt.walk.objectives import relative_change
 
 #: The measured quantity that is nearest to each objective: experiment and quantity.
@@ -37,7 +37,9 @@ def found() -> dict[tuple[str, str, tuple[str, ...]], dict[str, Any]]:
 
 
 def model_error(walk: Walk, spread: float = Spread.zeta) -> dict[str, float]:
-    """Relative errors of a walk's objectives by its law and its sand; empty for a walk that failed.
+    """Relative errors of a walk's objectives by its law and its sand.
+
+    Empty for a walk that failed, and for robots, with which no experiment was compared.
 
     Two parts, which add as squares:
 
@@ -49,7 +51,7 @@ def model_error(walk: Walk, spread: float = Spread.zeta) -> dict[str, float]:
 
     `spread` is one standard deviation of the logarithm of zeta.
     """
-    if not walk.feasible:
+    if not walk.feasible or not isinstance(walk.scene, Scene):
         return {}
     known = {name for *key, law in found() if tuple(key) in NEAREST.values() for name in law}
     law = tuple(name for name in map(name_of, walk.scene.effects) if name in known)
