@@ -97,9 +97,8 @@ class Robot(Simulator):
             check(not isinstance(self.model, Model), "robot.feet", list(feet), "those of its model")
             put(self, "model", Model.read(self.model, feet))
         if not isinstance(self.controller, get_args(Controller)):
-            check(
-                callable(self.controller), "robot.controller", self.controller, "a controller or a function"
-            )
+            known = callable(self.controller)
+            check(known, "robot.controller", self.controller, "a controller or a function")
             put(self, "controller", FunctionController(self.controller))
         for name in ("duration", "after"):
             if getattr(self, name) is None:
@@ -112,12 +111,9 @@ class Robot(Simulator):
         check(0.0 < self.tilt <= math.pi, "robot.tilt", self.tilt, "an angle > 0 and <= pi, in rad")
         if self._told:
             self.controller.commands(self.model.compiled, np.zeros(1))  # names its faults
-        if self.key is not None:
-            m = self.model.compiled
-            names = [m.key(i).name for i in range(m.nkey)]
-            check(
-                self.key in names, "robot.key", self.key, f"a keyframe: {', '.join(names) or 'it has none'}"
-            )
+        keys = [self.model.compiled.key(i).name for i in range(self.model.compiled.nkey)]
+        known = self.key is None or self.key in keys
+        check(known, "robot.key", self.key, f"a keyframe: {', '.join(keys) or 'it has none'}")
 
     @property
     def _told(self) -> bool:
@@ -232,8 +228,6 @@ class Robot(Simulator):
     def _after(self) -> float:
         return float(self.after or 0.0)
 
-    # --- a simulator ----------------------------------------------------------------------------------
-
     def ladder(self, of: Tolerance, soles: Waypoints | tuple[Foot, ...]) -> tuple[Accuracy, Found]:
         """The time step, halved from the model's, and the plates that meet a tolerance (`walk.ladder`)."""
         return _ladder(replace(of, name="", refinements=0), self, soles, of.refinements)
@@ -317,9 +311,8 @@ class RobotWalk(Walk):
 
     def _at(self, traced: Array, t: ArrayLike) -> Array:
         """A trace at times, linear between its samples."""
-        each = [
-            np.interp(np.asarray(t, float), self.t, column) for column in traced.reshape(len(self.t), -1).T
-        ]
+        columns = traced.reshape(len(self.t), -1).T
+        each = [np.interp(np.asarray(t, float), self.t, column) for column in columns]
         return np.stack(each, axis=-1).reshape(-1, *traced.shape[1:])
 
     @property

@@ -172,7 +172,7 @@ def test_a_robots_run_is_loaded_and_walked_again_as_a_robot(tmp_path, monkeypatc
     again = fo.run(["study=simulate", "study.run=first"], folder="again")
     assert again.best == run.best
     assert again.scene == run.scene
-    with pytest.raises(SettingError, match="scene.t_f"):
+    with pytest.raises(SettingError, match=r"scene\.t_f"):
         fo.run(["study=simulate", "study.run=first", "scene.t_f=2"])
 
 
