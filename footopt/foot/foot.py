@@ -61,7 +61,7 @@ class Foot:
     notes: tuple[str, ...] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
-        contour = np.asarray(self.contour, float)
+        contour = np.ascontiguousarray(self.contour, float)
         check(
             contour.ndim == 2 and contour.shape[1] == 2 and len(contour) >= 2 and np.isfinite(contour).all(),
             "foot.contour",
@@ -71,6 +71,16 @@ class Foot:
         check_dimensions(self.width, self.ankle, self.top)
         object.__setattr__(self, "ankle", tuple(self.ankle))
         object.__setattr__(self, "contour", contour)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Foot) and self._geometry() == other._geometry()
+
+    def __hash__(self) -> int:
+        return hash(self._geometry())
+
+    def _geometry(self) -> tuple[Any, ...]:
+        """All that a walk depends on: what is found for a foot holds for one that is read again."""
+        return self.contour.tobytes(), self.width, self.ankle, self.k, self.space, self.closed, self.top
 
     def __repr__(self) -> str:
         long, high = 1e3 * np.ptp(self.contour, axis=0)

@@ -141,11 +141,26 @@ def along_arc(polyline: Array, plates: int, parts: int) -> Array:
     count = 1 + share.astype(np.int64)  # one each, and the others by length
     rest = np.argsort(-(share % 1.0), kind="stable")[: plates - count.sum()]
     count[rest] += 1
-    pieces = zip(ends[:-1], np.diff(ends), parts * count, strict=True)
-    at = np.concatenate([begin + length * np.arange(n) / n for begin, length, n in pieces])
-    side = np.minimum(np.searchsorted(arc[1:], at, "right"), len(arc) - 2)
-    slope = np.diff(polyline, axis=0)[side] / np.diff(arc)[side, None]
-    return np.concatenate([slope * (at - arc[side])[:, None] + polyline[side], polyline[-1:]])
+    return np.asarray(placed(polyline, arc, ends, parts * count))
+
+
+@cached_njit(nogil=True, error_model="numpy")
+def placed(polyline, arc, ends, counts):
+    """Points of a polyline (m, 2), m, at equal steps of its arc, so many from end to end."""
+    points = np.empty((counts.sum() + 1, 2))
+    k = side = 0
+    for i in range(len(counts)):
+        for j in range(counts[i]):
+            at = ends[i] + (ends[i + 1] - ends[i]) * j / counts[i]
+            while side < len(arc) - 2 and arc[side + 1] <= at:
+                side += 1
+            for axis in range(2):
+                rise = polyline[side + 1, axis] - polyline[side, axis]
+                slope = rise / (arc[side + 1] - arc[side])
+                points[k, axis] = slope * (at - arc[side]) + polyline[side, axis]
+            k += 1
+    points[k] = polyline[-1]
+    return points
 
 
 def corners(turns: Array, most: int) -> NDArray[np.int64]:
@@ -155,13 +170,19 @@ def corners(turns: Array, most: int) -> NDArray[np.int64]:
     return np.sort(found[np.argsort(-sharp[found], kind="stable")[:most]])
 
 
-def arc_and_turns(polyline: Array) -> tuple[Array, Array]:
+@cached_njit(nogil=True, error_model="numpy")
+def arc_and_turns(polyline):
     """Arc length (m) and turn (rad) of a polyline (m, 2) at its points, each (m,).
 
     It turns by 0 at its ends, and at a point that repeats the one before.
     """
-    sides, turns = np.diff(polyline, axis=0), np.zeros(len(polyline))
-    moving = np.flatnonzero(sides.any(axis=1))
-    (ax, az), (bx, bz) = sides[moving[:-1]].T, sides[moving[1:]].T
-    turns[moving[:-1] + 1] = np.arctan2(ax * bz - az * bx, ax * bx + az * bz)
-    return np.concatenate([[0.0], np.cumsum(np.hypot(*sides.T))]), turns
+    arc, turns = np.zeros(len(polyline)), np.zeros(len(polyline))
+    corner, ax, az = 0, 0.0, 0.0  # the last point that repeats none, and the side that ends there
+    for i in range(1, len(polyline)):
+        bx, bz = polyline[i, 0] - polyline[i - 1, 0], polyline[i, 1] - polyline[i - 1, 1]
+        arc[i] = arc[i - 1] + np.hypot(bx, bz)
+        if bx != 0.0 or bz != 0.0:
+            if corner > 0:
+                turns[corner] = np.arctan2(ax * bz - az * bx, ax * bx + az * bz)
+            corner, ax, az = i, bx, bz
+    return arc, turns

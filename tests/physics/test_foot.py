@@ -261,6 +261,13 @@ class TestFoot:
         assert foot.contour[0, 0] == -0.1
         assert foot.contour[-1].tolist() == pytest.approx([0.1, -0.02])
 
+    def test_made_again_is_the_same_foot_but_for_its_name(self):
+        """So that the numbers of an accuracy are found once for a sole that is read again."""
+        contour = SPACE.contour(SMOOTH[1])[0]
+        foot = fo.Foot(contour)
+        assert {foot, fo.Foot(contour.copy(), name="again")} == {foot}
+        assert len({foot, fo.Foot(contour, width=0.08), fo.Foot(1.01 * contour)}) == 3
+
     @pytest.mark.parametrize(
         ("k", "message"),
         [
