@@ -18,7 +18,7 @@ import numpy as np
 from footopt.compiled import called_fast, inlined_fast
 from footopt.effects import Laws
 from footopt.mujoco.faces import COLUMNS, cross, dot, forces, moved, plus
-from footopt.mujoco.step import BEFORE, END, FREE, GAINED, MEAN, TWIST, of_body, product
+from footopt.mujoco.step import BEFORE, END, FREE, GAINED, MEAN, TWIST, inner, of_body, product
 from footopt.walk.contact import rsqrt
 from footopt.walk.state import write
 from footopt.walk.steppers.implicit import SDIRK2
@@ -39,8 +39,9 @@ def responses(space, jacobian):
         m[last] = 1.0 / m[last]
         for a in range(last - 1, first - 1, -1):
             i = freedoms[columns[a]]
+            share = m[last] * m[a]
             for j in range(i.last - i.first + 1):  # ancestors of an ancestor come first in a row
-                m[i.first + j] -= m[last] * m[a] * m[first + j]
+                m[i.first + j] -= share * m[first + j]
             m[a] *= m[last]
             for j in range(x.shape[1]):
                 x[columns[a], j] -= m[a] * x[k, j]
@@ -68,17 +69,15 @@ def solution(mobility, stiffness, c, rest, a, y):
     """
     n = len(y)
     for i in range(n):
-        total = 0.0
         for first in range(0, n, 6):  # a wrench follows the twist of its own body
             for j in range(6):
                 a[i, first + j] = 0.0
-                total += mobility[i, first + j] * rest[first + j]
             for m in range(first, first + 6):
                 share = -c * mobility[i, m]
                 for j in range(6):
                     a[i, first + j] += share * stiffness[m, j]
         a[i, i] += 1.0
-        a[i, n] = c * total
+        a[i, n] = c * inner(mobility[i], rest)
     for i in range(n):
         best = i
         for j in range(i + 1, n):
@@ -93,10 +92,7 @@ def solution(mobility, stiffness, c, rest, a, y):
             for m in range(i, n + 1):
                 a[j, m] -= factor * a[i, m]
     for i in range(n - 1, -1, -1):
-        total = a[i, n]
-        for m in range(i + 1, n):
-            total -= a[i, m] * y[m]
-        y[i] = total / a[i, i]
+        y[i] = (a[i, n] - inner(a[i, i + 1 : n], y[i + 1 :])) / a[i, i]
 
 
 @called_fast
@@ -131,10 +127,9 @@ def newton(space, effects, near, mobility, base, v0, v, c, turn, h0, f):
                 f[6 * k + i] = total[i]
                 for j in range(6):
                     stiffness[6 * k + i, j] = rows[i][j]
-        gain = 0.0
         for i in range(n):
             rest[i] = f[i] - load[i]
-            gain += dv[i] * rest[i]
+        gain = inner(dv, rest)
         if abs(gain) > 0.5 * slope > 0.0 and high - low > 1e-12 and (gain < 0.0 or t < 1.0):
             if gain < 0.0:
                 high, at_high = t, gain
@@ -143,13 +138,9 @@ def newton(space, effects, near, mobility, base, v0, v, c, turn, h0, f):
             share = low + (high - low) * at_low / (at_low - at_high) - t
         else:
             solution(mobility, stiffness, c, rest, room, dv)
-            slope = 0.0
             for i in range(n):
-                dload[i] = rest[i]
-                for j in range(6):
-                    dload[i] += stiffness[i, j] * dv[i - i % 6 + j]
-                slope += dv[i] * rest[i]
-            at_low = slope
+                dload[i] = rest[i] + inner(stiffness[i], dv[i - i % 6 :])
+            at_low = slope = inner(dv, rest)
             share, t, low, high, at_high = 1.0, 0.0, 0.0, 1.0, 0.0
         t += share
         speed, change = 0.1 / turn, 0.0

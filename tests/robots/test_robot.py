@@ -71,6 +71,15 @@ class TestTheRobot:
         np.testing.assert_allclose(coarse, fine, rtol=0.03)
 
     @pytest.mark.slow
+    def test_walks_are_the_same_to_the_bit_on_any_thread(self, biped):
+        """Where arrays lie in memory decides nothing, either: it differs from thread to thread."""
+        soles = SPACE.random(24, seed=3)
+        alone = fo.evaluate(soles, biped, COARSE, space=SPACE, threads=1).values
+        for _ in range(3):
+            together = fo.evaluate(soles, biped, COARSE, space=SPACE, threads=2).values
+            np.testing.assert_array_equal(together, alone)
+
+    @pytest.mark.slow
     def test_a_tolerance_finds_its_time_step(self, biped):
         steps = []
         for name in ("draft", "standard"):
