@@ -26,13 +26,14 @@ from footopt.foot import Foot, Waypoints
 from footopt.foot.waypoints import heights_text
 from footopt.report.numbers import change, number, percent, quantity, title
 from footopt.sand.law import EARTH
-from footopt.walk import MEASURES, Scene, Simulator, gain_shares
+from footopt.walk import FIVE, MEASURES, Scene, Simulator, gain_shares
 from footopt.walk.validity import Diagnostic
 
 if TYPE_CHECKING:
     from footopt.design import Confirmation, SearchResult
 
 HEADER = 8  # letters of a line of a number's header
+POOR = 0.5  # an error of the law beyond which an objective is named
 WORDS = 10  # letters of a table's first column in the narrowest terminal
 
 
@@ -127,6 +128,57 @@ def objective_table(
         by = "; ".join(f"{name.replace('_', ' ')}: {', '.join(laws)}" for name, laws in turned.items())
         shown.caption = f"* under another sand law the order of the two feet is reversed ({by})"
     return shown
+
+
+def gains_table(
+    values: Mapping[str, float], flat: Mapping[str, float], under: Mapping[str, Sequence[float]], by: str
+) -> RichTable:
+    """The best foot beside the flat one, what made most of J_W's gain first, without the objective `by`.
+
+    `under` are the relative changes from the flat foot under other sand laws, by objective.
+    """
+    columns = ["objective", "unit", "best", "flat", "change", *(["other laws", ""] if under else [])]
+    shown, parts = table(columns, words=("objective", "unit", "")), gain_shares({**values}, {**flat})
+    for name in sorted(values, key=lambda name: -abs(parts.get(name, 0.0))):
+        if name != by:
+            numbers = number(values[name]), number(flat[name]), change(name, values[name], flat[name])
+            own = values[name] / flat[name] - 1.0 if flat[name] else math.nan
+            laws = [span(name, under[name]), doubtful(own, under[name])] if under else []
+            shown.add_row(name.replace("_", " "), MEASURES[name].unit, *numbers, *laws)
+    return shown
+
+
+def span(name: str, changes: Sequence[float]) -> str:
+    """The range of relative changes."""
+    if not (known := [c for c in changes if math.isfinite(c)]):
+        return "-"
+    ends = [
+        f"{1.0 + c:.2f}" if name == "efficiency" else f"{100.0 * c:+.0f}" for c in (min(known), max(known))
+    ]
+    text = " to ".join(dict.fromkeys(ends))
+    return f"x {text}" if name == "efficiency" else f"{text} %"
+
+
+def doubtful(own: float, changes: Sequence[float]) -> str:
+    """Says so where the scene's own relative change and those under other laws differ in sign."""
+    return "sign not certain" if any(own * c < 0.0 for c in changes) else ""
+
+
+def headline(by: str, value: float, flat: float, under: Mapping[str, Sequence[float]]) -> str:
+    """What the best foot gains over the flat one, and by how much under other laws."""
+    laws, name = under.get(by, ()), "J_W" if by == "efficiency" else title(by)
+    told = f"; {span(by, laws)} under {len(laws)} other laws of sand" if laws else ""
+    doubt = doubtful(value / flat - 1.0, laws) if flat else ""
+    return f"{name} {change(by, value, flat)} against a flat foot{told}{doubt and f', {doubt}'}."
+
+
+def describe_errors(errors: Mapping[str, float], values: Mapping[str, float], model: Any) -> str:
+    """The largest error of the numbers, and of the law for what it errs most in."""
+    exact = max(abs(error / values[name]) for name, error in errors.items() if values[name])
+    poor = {name: error for name, error in (model or {}).items() if error and error > POOR and name in FIVE}
+    named = ", ".join(name.replace("_", " ") for name in poor)
+    law = f" Law: {named} err by up to {percent(max(poor.values()))}; compare feet." if poor else ""
+    return f"Numbers: exact to {percent(exact)}.{law}"
 
 
 def describe_foot(foot: Foot) -> str:

@@ -55,6 +55,7 @@ class Optimize(SearchSettings):
     certify: bool | None = setting(
         None, "Whether all soles near the best are walked; null: if they are fewer than the search walked."
     )
+    details: bool = setting(False, "Whether the closing lines tell everything about the answer.")
     start: list[int] | None = setting(
         None, "Heights of the sole that a search begins with, or of several in a row."
     )

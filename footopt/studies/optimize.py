@@ -91,26 +91,51 @@ def run(study: Study) -> Any:
     write_film(study, walk)
 
     several = problem.n_obj > 1
-    by_j = (choice.by if several else problem.ranking_objective) == "efficiency"
-    which = f"Of the front {FRONT_RULES[choice.by]}" if several else "Best design"
-    study.say(
-        terminal.describe_search(result),
-        terminal.describe_confirmation(confirmed),
-        *([] if certificate is None else [str(certificate)]),
-        f"{which}: {terminal.describe_foot(best)}",
-        terminal.objective_table("best", values, errors, base, by_j, ranks.turned_by(changes)),
-        *ranks.describe(changes, len(finalists)),
-        *terminal.describe_model([entry["model_error"]]),
-    )
+    by = choice.by if several else problem.ranking_objective
+    by_j = by == "efficiency"
+    which = f"Of the front {FRONT_RULES[choice.by]}" if several else "Best foot"
+    sought = "efficiency" if by_j or several else by
+    under = ranks.by_objective(changes)
+    study.say(f"{which} for {terminal.describe_scene(scene)}: {terminal.describe_foot(best)}")
+    if options.details:
+        study.say(
+            terminal.describe_search(result),
+            terminal.describe_confirmation(confirmed),
+            *([] if certificate is None else [str(certificate)]),
+            terminal.objective_table("best", values, errors, base, by_j, ranks.turned_by(changes)),
+            *ranks.describe(changes, len(finalists)),
+            *terminal.describe_model([entry["model_error"]]),
+        )
+        terminal.print_validity(study.console, diagnostics)
+    else:
+        study.say(
+            terminal.headline(sought, values[sought], base[sought], under),
+            terminal.gains_table(values, base, under, sought),
+            terminal.describe_errors(errors, values, entry["model_error"]),
+            _sentence(result, confirmed, certificate),
+        )
+        see = " (report.html says why)" if study.wants_report else ""
+        if outside := [d.name for d in diagnostics if d.outside]:
+            terminal.warn(study.console, f"outside the tested range: {', '.join(outside)}{see}.")
     for words in _warnings(problem, values, base, by_j):
         terminal.warn(study.console, words)
-    terminal.print_validity(study.console, diagnostics)
-    study.say(*notes)
     study.close()
     if result.interrupted:
         done, every = len(result.history), solver.generations(problem.space)
         raise KeyboardInterrupt(f"after {_unit(solver)} {done} of {every}, with a full report")
     return values
+
+
+def _sentence(result: SearchResult, confirmed: Confirmation, certificate: Certificate | None) -> str:
+    """How many soles were searched, and what is known of the best one."""
+    space, told = result.problem.space, []
+    if certificate is not None and certificate.short:
+        told.append(certificate.short)
+    if not confirmed.agrees:
+        told.append(f"another one was best before accuracy {confirmed.accuracy.name}")
+    if result.stopped or result.interrupted:
+        told.append(f"stopped {result.stopped}" if result.stopped else "interrupted")
+    return f"Search: {'; '.join([f'{result.designs:,} of {space.K}^{space.n} soles', *told])}."
 
 
 def _warnings(

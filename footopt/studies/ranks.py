@@ -72,6 +72,11 @@ def turned_by(found: Sequence[RankChange]) -> dict[str, list[str]]:
     return {name: [rank.law for rank in found if name in rank.turned] for name in names}
 
 
+def by_objective(found: Sequence[RankChange]) -> dict[str, list[float]]:
+    """Relative changes from the flat sole to the best design under the laws, by objective."""
+    return {name: [rank.change[name] for rank in found] for name in (found[0].change if found else ())}
+
+
 def describe(found: Sequence[RankChange], count: int) -> list[str]:
     """The ranks in a line; none where nothing was evaluated."""
     if not found or count < 2:

@@ -41,7 +41,8 @@ __version__ = version("footopt")
 #: Settings that may change when a run goes on: how long, where and with what it ends, not what is searched.
 CHANGEABLE = (
     "solver.n_gen", "solver.walks", "solver.seconds", "engine", "report", "choose", "study.confirm",
-    "study.finalists", "study.store", "study.certify", "study.reuse", "study.video", "foot.block", "plugins",
+    "study.finalists", "study.store", "study.certify", "study.reuse", "study.video", "study.details",
+    "foot.block", "plugins",
 )  # fmt: skip
 
 BUDGETS = ("walks", "n_gen")  # settings of the solver that may make a search longer

@@ -72,7 +72,6 @@ def run(study: Study) -> Any:
     study.say(terminal.objective_table("this sole", values, entry["error_estimate"], others))
     study.say(*terminal.describe_model([entry["model_error"]]))
     terminal.print_validity(study.console, diagnostics)
-    study.say(*notes)
     study.close()
     return values
 

@@ -145,7 +145,6 @@ class TestResume:
         done = footopt(f"resume={folder.name}/", "solver.n_gen=5", cwd=tmp_path)
         assert done.returncode == 0, done.stderr
         assert "30 designs of this search are known" in done.stdout
-        assert "30 of them known" in done.stdout
         result = json.loads((folder / "result.json").read_text())
         assert (result["evaluations"], result["reused"]) == (50, 30)
         assert result["settings"]["solver"]["n_gen"] == 5
@@ -199,7 +198,7 @@ def test_killed_and_interrupted_anywhere_it_goes_on_to_the_same_bits(seed, tmp_p
         out, err = ended(run)
         assert "Traceback" not in err
     assert run.returncode == 130
-    assert "(interrupted)" in out
+    assert "interrupted" in out
     assert err.startswith("footopt: stopped after generation ")
     assert (folder / "report.html").is_file()
     done = footopt("resume=run", cwd=tmp_path)

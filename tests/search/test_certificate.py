@@ -97,7 +97,7 @@ def test_a_run_certifies_the_design_that_it_leaves(tmp_path, capsys, monkeypatch
     asked, off = (json.loads((tmp_path / name / "result.json").read_text()) for name in ("asked", "off"))
     assert asked["certificate"]["holds"]
     assert asked["certificate"]["k"] == asked["design"]["k"]
-    assert "Certificate: no sole that differs in up to 2 waypoints" in said
+    assert "no better one within 2 waypoints" in said
     assert asked["certificate"]["says"] in (tmp_path / "asked" / "report.html").read_text()
     assert asked["objectives"]["efficiency"] < off["objectives"]["efficiency"]
     assert off["certificate"] is None

@@ -27,7 +27,7 @@ from footopt.studies.validation.compare import AGREES, DIFFERS, OPEN, UNITS, Com
 from footopt.walk import FIVE
 
 ALL = experiments()
-DOCS = Path(__file__).parents[2] / "docs" / "validation.md"
+DOCS = Path(__file__).parents[2] / "docs" / "evidence" / "validation.md"
 
 
 class TestRig:
