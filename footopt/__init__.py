@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import os
 import sys
+from importlib import import_module
 
 __version__ = "0.2.0.dev0"
 
@@ -30,8 +31,6 @@ if not os.path.isdir(os.path.join(_here, "conf")):
 def __getattr__(name: str) -> object:
     if name not in _HOME:
         raise AttributeError(f"module 'footopt' has no attribute {name!r}")
-    from importlib import import_module
-
     home = _HOME[name]
     value = import_module(f"{home}.{name}") if home == __name__ else getattr(import_module(home), name)
     globals()[name] = value
@@ -42,20 +41,5 @@ def __dir__() -> list[str]:
     return __all__
 
 
-def load_ipython_extension(shell: object) -> None:
-    """Show cards of walks, feet and so on in IPython; importing footopt there does so, too."""
-
-    def card(thing: object) -> str:
-        from footopt.report.plot import card
-
-        return card(thing)
-
-    formatter = shell.display_formatter.formatters["text/html"]
-    shown = "design.result.SearchResult foot.foot.Foot gait.gait.Gait sand.media.Sand"
-    shown += " walk.results.Table walk.results.Walk walk.scene.Scene"
-    for name in shown.split():  # and classes that inherit from them
-        formatter.for_type_by_name(*f"footopt.{name}".rsplit(".", 1), card)
-
-
-if "IPython" in sys.modules and (_shell := sys.modules["IPython"].get_ipython()) is not None:
-    load_ipython_extension(_shell)
+if "IPython" in sys.modules and sys.modules["IPython"].get_ipython() is not None:
+    import_module("footopt.report.cards")

@@ -45,5 +45,3 @@ from footopt.walk import evaluate as evaluate
 from footopt.walk import simulate as simulate
 
 __version__: str
-
-def load_ipython_extension(shell: object) -> None: ...

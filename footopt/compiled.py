@@ -5,9 +5,7 @@ from __future__ import annotations
 import hashlib
 import logging
 import os
-import shutil
 import threading
-import time
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -17,15 +15,13 @@ import llvmlite
 import numba
 from filelock import FileLock
 from numba import config, njit, types
-from numba.core import cgutils
 from numba.core.caching import FunctionCache
 from numba.core.registry import cpu_target
-from numba.extending import intrinsic, overload, register_jitable
+from numba.extending import overload, register_jitable
 
 log = logging.getLogger("footopt")
 
 SOURCES = ("sand", "effects", "foot", "walk", "mujoco")  # what is compiled, with this file
-KEPT, DAY = 8, 86_400  # folders of other sources that stay in any case; s without use until others go
 _choosing = threading.Lock()  # numba has one setting for where it keeps code
 
 #: Assumptions about floating-point numbers in the loop over plates: sums may be reordered, so that
@@ -37,12 +33,7 @@ FAST = {"contract", "reassoc", "arcp", "nsz"}
 #: last bits between the process that compiled it and those that load it from the cache on disk.
 #:
 #: From Python they are Python: they have no entry of their own there, which is a third of the compiling.
-INLINE = {
-    "error_model": "numpy",
-    "forceinline": True,
-    "no_cpython_wrapper": True,
-    "no_cfunc_wrapper": True,
-}
+INLINE = {"error_model": "numpy", "forceinline": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 inlined = register_jitable(**INLINE)
 inlined_fast = register_jitable(fastmath=FAST, **INLINE)
 called_fast = register_jitable(fastmath=FAST, **{**INLINE, "forceinline": False})  # rounds alike anywhere
@@ -82,17 +73,12 @@ def cache_folder() -> str | None:
     for path in sources():
         digest.update(f"{path} {path.stat().st_mtime_ns}".encode() + path.read_bytes())
     home = Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache").expanduser()
-    base = Path(config.CACHE_DIR or home / "footopt")
-    place = base / f"footopt-{digest.hexdigest()[:16]}"
+    place = Path(config.CACHE_DIR or home / "footopt") / f"footopt-{digest.hexdigest()[:16]}"
     try:
         place.mkdir(mode=0o700, parents=True, exist_ok=True)
-        os.utime(place)  # it is in use
     except OSError as error:
         log.warning("compiled code cannot be kept (%s). Set NUMBA_CACHE_DIR to a folder of yours.", error)
         return None
-    for old in sorted(base.glob("footopt-*"), key=os.path.getmtime)[:-KEPT]:
-        if time.time() - old.stat().st_mtime > DAY:  # no process that began to compile there is at it still
-            shutil.rmtree(old, ignore_errors=True)
     return str(place)
 
 
@@ -126,20 +112,6 @@ def kept(compiled: Any) -> Any:
 def cached_njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     """`numba.njit(cache=True, **options)`, with footopt's cache."""
     return lambda function: kept(njit(**options)(function))
-
-
-def _unowned(typingctx: Any, array: Any) -> Any:
-    """An array without a reference to the owner of its memory."""
-
-    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        view = context.make_array(signature.args[0])(context, builder, args[0])
-        view.meminfo = cgutils.get_null_value(view.meminfo.type)
-        return view._getvalue()
-
-    return array(array), generate
-
-
-unowned = intrinsic(_unowned)
 
 
 @cache

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import import_module
 from numbers import Integral, Real
@@ -10,14 +10,10 @@ from pathlib import Path
 from typing import Any
 
 ERROR_FILE = "error.txt"  # left in the folder of a job of a multirun that failed, with the message
-LONGEST = 480  # characters of a message; a longer one loses its middle
 
 
 class FootoptError(Exception):
     """Base of every error that footopt raises on purpose."""
-
-    def __init__(self, message: str = "") -> None:
-        super().__init__(one_line(message))
 
 
 class SettingError(FootoptError, ValueError):
@@ -70,12 +66,6 @@ def needed(library: str, what: str, extra: str) -> Any:
         ) from None
 
 
-def one_line(message: str) -> str:
-    """A message without the line breaks and control characters that names in files may hold, not too long."""
-    plain = "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in message)
-    return shortened(plain, LONGEST)
-
-
 def shortened(text: str, most: int) -> str:
     """A text without its middle if it has more characters than `most`."""
     keep = (most - 5) // 2
@@ -118,13 +108,3 @@ def naming(path: str | Path, setting: str) -> Iterator[None]:
         yield
     except Unusable as why:
         raise FileError(f"{named(path, setting)}: {why}") from None
-
-
-def flat(settings: Any, name: str = "") -> dict[str, Any]:
-    """Nested settings by their full names; a list is a value, unless it is one of settings."""
-    if isinstance(settings, list) and settings and isinstance(settings[0], Mapping):
-        settings = dict(enumerate(settings))
-    if not (isinstance(settings, Mapping) and settings):
-        return {name: settings}
-    parts = (flat(value, f"{name}.{key}" if name else str(key)) for key, value in settings.items())
-    return {full: value for part in parts for full, value in part.items()}

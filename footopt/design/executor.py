@@ -24,13 +24,14 @@ import numpy as np
 
 from footopt.design.problem import Array, FootProblem, Ints, Words
 from footopt.design.store import ERROR, context, differences, listed
-from footopt.errors import EngineError, FootoptError, check, needed, one_line
+from footopt.errors import EngineError, FootoptError, check, needed, shortened
 from footopt.walk.batch import at_once, available_threads
 
 IDLE = 3600.0  # s, for which a worker process stays without work
 ENGINES = ("local", "processes", "dask")
 EACH = 2  # chunks a worker and batch, so that a slow one does not keep the others waiting
 LARGEST = 1000  # designs in a chunk
+LONGEST = 480  # characters of the reason of a design
 DIED = "A worker process has died: it was killed, has crashed, or there was too little memory."
 
 
@@ -122,7 +123,8 @@ def walk(problem: FootProblem, k: Ints) -> tuple[Array, Words]:
         raise
     except Exception as error:
         if len(k) == 1:
-            reason = one_line(f"{ERROR}: {type(error).__name__}: {error}")
+            words = f"{ERROR}: {type(error).__name__}: {error}".split()
+            reason = shortened(" ".join(words), LONGEST)
             return np.full((1, len(problem.record)), np.nan), np.array([reason])
     return _joined(walk(problem, one) for one in np.split(k, len(k)))
 

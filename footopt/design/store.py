@@ -14,7 +14,7 @@ import json
 import sqlite3
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache
 from importlib.metadata import version
@@ -25,7 +25,7 @@ import numpy as np
 
 from footopt.compiled import sources, target
 from footopt.design.problem import Array, FootProblem
-from footopt.errors import FileError, flat, named
+from footopt.errors import FileError, named
 from footopt.walk.objectives import MEASURES
 from footopt.walk.own_code import is_own, own_code, source_of
 from footopt.walk.simulator import Simulator
@@ -315,6 +315,16 @@ def canonical(content: Any) -> str:
 def digest(content: Any) -> str:
     """SHA-256 of the canonical JSON."""
     return hashlib.sha256(canonical(content).encode()).hexdigest()
+
+
+def flat(content: Any, name: str = "") -> dict[str, Any]:
+    """Nested content by its full names; a list is a value, unless it is one of mappings."""
+    if isinstance(content, list) and content and isinstance(content[0], Mapping):
+        content = dict(enumerate(content))
+    if not (isinstance(content, Mapping) and content):
+        return {name: content}
+    parts = (flat(value, f"{name}.{key}" if name else str(key)) for key, value in content.items())
+    return {full: value for part in parts for full, value in part.items()}
 
 
 def differences(there: Any, here: Any) -> list[str]:

@@ -7,9 +7,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from footopt.errors import SettingError, check
+from footopt.errors import Unusable, check, naming
+from footopt.files.io import numbers, parse_table, read_text
 from footopt.mujoco.controllers import Commands, FunctionController
 
 TIMES = ("t", "time", "time_s", "t_s")
@@ -27,7 +26,9 @@ def read_controller(path: str) -> Commands | FunctionController:
     Raises
     ------
     SettingError
-        There is no such file or function, or the table is none.
+        There is no such file or function.
+    FileError
+        The table is none of numbers, or has no time.
     """
     file, _, function = path.rpartition(":") if ".py:" in path else (path, "", "")
     check(Path(file).is_file(), "robot.controller", path, "FILE.py:FUNCTION, or a CSV file that is there")
@@ -43,16 +44,10 @@ def _function(file: Path, name: str) -> FunctionController:
 
 
 def _table(file: Path) -> Commands:
-    import pandas
-
-    try:
-        table = pandas.read_csv(file, comment="#", skipinitialspace=True)
-    except ValueError as error:  # pandas' own are ValueErrors
-        raise SettingError("robot.controller", str(file), f"a CSV table ({error})") from None
-    table.columns = [str(name).strip() for name in table.columns]
-    times = [name for name in table.columns if name in TIMES]
-    check(len(times) == 1, "robot.controller", str(file), f"with one column of time: {', '.join(TIMES)}")
-    numbers = all(np.issubdtype(kind, np.number) for kind in table.dtypes)
-    check(numbers, "robot.controller", str(file), "a table of numbers")
-    t = table.pop(times[0]).to_numpy(float)
-    return Commands(t - t[0], {name: table[name].to_numpy(float) for name in table.columns})
+    with naming(file, "robot.controller"):
+        table = parse_table(read_text(file, "robot.controller"))
+        columns = {name: numbers(table, name) for name in table}
+        if len(times := columns.keys() & set(TIMES)) != 1:
+            raise Unusable(f"must have one column of time: {', '.join(TIMES)}.")
+    t = columns.pop(times.pop())
+    return Commands(t - t[0], columns)

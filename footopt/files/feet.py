@@ -57,14 +57,10 @@ def write_foot(foot: Foot, path: str | Path, block: Sequence[float] | None = Non
         write_csv(path, {"x_mm": x, "z_mm": z})
         return path
     outline = MM * body_outline(foot, block)
-    if ending == "dxf":
-        _write_dxf(path, sole, outline)
-    elif ending == "svg":
-        _write_svg(path, sole, outline)
-    elif ending == "stl":
-        _write_stl(path, outline, width)
+    if ending in ("dxf", "svg"):
+        (_write_dxf if ending == "dxf" else _write_svg)(path, sole, outline)
     else:
-        _write_step(path, outline, width)
+        (_write_stl if ending == "stl" else _write_step)(path, outline, width)
     return path
 
 

@@ -20,11 +20,9 @@ PEAK_MARGIN = 0.1  # below the largest autocorrelation; the first lag that has a
 MAX_GAP = 5.0  # deg that thigh and knee may differ by at the ends of a stride
 MAX_DEVIATION = 6.0  # deg rms that a stride may differ by from the mean of all
 MAX_STRIKE_PHASE = 0.1  # of a stride; a heel strike that is farther inside is where it ought to begin
-MIN_LOOP = -0.15  # of the ranges of thigh and knee, what their loop encloses; in walks it is 0.3 to 0.75
 ANGLES = ("thigh", "knee")
 #: The range of a walker's joints, deg; a table in other units or with other columns leaves it.
 ANGLE_RANGES = {"thigh": (-90.0, 120.0), "knee": (-12.0, 170.0), "foot": (-120.0, 120.0)}
-MIN_THIGH_RANGE = 3.0  # deg that a thigh moves in a walk
 WINDOW_HINT = "Set gait.window=[t0,t1] to one stride, in s, from one heel strike to the next of the same leg."
 
 
@@ -92,10 +90,6 @@ def _check_angles(angles: dict[str, Array]) -> None:
                 f"the {joint} reaches from {least:.4g} to {largest:.4g} deg, and may from {low:g} to "
                 f"{high:g}. Check the columns, signs and units."
             )
-    if np.ptp(angles["thigh"]) < MIN_THIGH_RANGE:
-        raise Unusable(
-            f"the thigh moves by {np.ptp(angles['thigh']):.3g} deg only. Are columns and units right?"
-        )
 
 
 def _period(t: Array, angles: dict[str, Array]) -> float | None:
@@ -139,7 +133,7 @@ def _bounds(t: Array, angles: dict[str, Array], period: float) -> Array:
 
 
 def _check(strides: Strides, bounds: Array) -> None:
-    """Raise `Unusable` unless the mean stride closes, all are like it, and go forwards."""
+    """Raise `Unusable` unless the mean stride closes, and all are like it."""
     for joint in ANGLES:
         curves = strides.curves[joint]
         gap = float(abs(np.mean(curves[:, -1] - curves[:, 0])))
@@ -159,13 +153,6 @@ def _check(strides: Strides, bounds: Array) -> None:
     if not least <= period <= largest:
         raise Unusable(
             f"a stride of {period:.4g} s is no walk, which takes {least:g} to {largest:g} s: is it in s?"
-        )
-    thigh, knee = (strides.mean()[joint] for joint in ANGLES)
-    loop = 0.5 * np.sum(thigh[1:] * knee[:-1] - thigh[:-1] * knee[1:])
-    if loop < MIN_LOOP * np.ptp(thigh) * np.ptp(knee):
-        raise Unusable(
-            "the knee bends while the thigh goes back, as in a walk backwards. Is the sign of thigh or hip "
-            "right (the knee ahead of the hip is +), and are the columns?"
         )
 
 

@@ -16,7 +16,8 @@ from matplotlib.figure import Figure
 from scipy.io import netcdf_file
 
 from footopt.design.fronts import hypervolume_shares
-from footopt.errors import ERROR_FILE, FileError, flat
+from footopt.design.store import flat
+from footopt.errors import ERROR_FILE, FileError
 from footopt.files import identity
 from footopt.files.io import read_json_file, write_csv
 from footopt.files.outline import MM

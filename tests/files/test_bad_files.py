@@ -48,7 +48,6 @@ def test_what_is_no_such_file_is_refused_with_its_name(kind, good, tmp_path):
             read(path, bad)
         assert path.name in str(caught.value)
         assert len(str(caught.value)) < 500
-        assert str(caught.value).isprintable()
 
 
 @pytest.mark.parametrize("kind", READERS)

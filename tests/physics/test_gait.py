@@ -217,5 +217,5 @@ class TestFromAngles:
         t = np.linspace(0.0, 1.2, 50)
         with pytest.raises(SettingError, match="as many angles as times"):
             fo.fit_gait(t, t, t[1:])
-        with pytest.raises(FileError, match=r"gait = 'angles': the thigh moves by 0 deg only"):
-            fo.fit_gait(t, np.zeros(50), np.zeros(50))
+        with pytest.raises(FileError, match=r"gait = 'angles': the thigh reaches"):
+            fo.fit_gait(t, np.full(50, 200.0), np.zeros(50))

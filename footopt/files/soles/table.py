@@ -26,7 +26,7 @@ def read(path: Path, units: str | None, scale: float) -> Iterator[Line]:
     x, z = columns.get("x"), columns.get("z", columns.get("y"))
     if x is None or z is None:
         raise Unusable(
-            f"the header lacks x or z; it holds {', '.join(table)}. "
+            f"the header lacks x or z; it holds {', '.join(table)[:200]}. "
             "Name the columns x_mm and z_mm (or _cm, _m, _in), from heel to toe."
         )
     own = {match[2].lower() for match in (x, z) if match[2]}
