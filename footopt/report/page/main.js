@@ -20,15 +20,19 @@ function change(value, base, column) {
 /** A design's value of each column, the finest there is. */
 const valueOf = (i, c) => (i === data.best && data.bestValues ? data.bestValues[c] : values[i * WIDTH + c]);
 
+/** Relative changes of the best design against the flat foot under other sand laws. */
+const underLaws = (i, name) => (i === data.best ? entry.ranks?.laws ?? [] : []).map((law) => ({ law: law.law, share: law.change?.[name] }))
+  .filter(({ share }) => Number.isFinite(share ?? NaN));
+const doubtful = (share, under) => under.some((u) => u.share * share < 0) ? ", sign not certain" : "";
+
 /** Bars of change against the flat foot, with error ticks and circles under other sand laws. */
 function bars(i, width) {
-  const laws = i === data.best ? entry.ranks?.laws ?? [] : [], colour = i === data.best ? "var(--best)" : "var(--chosen)";
+  const colour = i === data.best ? "var(--best)" : "var(--chosen)";
   const rows = data.columns.flatMap((column, c) => {
     const value = valueOf(i, c), base = entry.flat[column.name], share = value / base - 1;
     if (column.name === "efficiency" || !Number.isFinite(share) || Math.abs(base) < ROUNDING) return [];
     const error = i === data.best && entry.error_estimate ? Math.abs(entry.error_estimate[column.name] / base) : NaN;
-    const under = laws.map((law) => ({ law: law.law, share: law.change?.[column.name] })).filter(({ share: s }) => Number.isFinite(s ?? NaN));
-    return [{ column, value, base, share, error, under, better: (share > 0) === column.maximise }];
+    return [{ column, value, base, share, error, under: underLaws(i, column.name), better: (share > 0) === column.maximise }];
   });
   const reach = ({ share, error, under }) => [share, ...(Number.isFinite(error) ? [share - error, share + error] : []), ...under.map((u) => u.share)];
   const [low, high] = range([-0.005, 0.005, ...rows.flatMap(reach)].map((v) => clip(v, -1, 2)), 0); // 1 % at least
@@ -40,7 +44,7 @@ function bars(i, width) {
     const ends = range([share, ...under.map((u) => u.share)], 0).map(X), past = (out < 0 ? Math.min : Math.max)(...reach({ share, error, under }).map(X));
     made.append(
       svg("text", { class: "halo", x: 0, y: r * tall + 14 }, svg("tspan", { style: "font-weight:600" }, column.title),
-        svg("tspan", { style: "fill:var(--grey)" }, `  ${quantity(value, column.unit)}${Number.isFinite(error) ? ` ± ${percent(Math.abs(error * base / value))}` : ""}, flat ${number(base)}`)),
+        svg("tspan", { style: "fill:var(--grey)" }, `  ${quantity(value, column.unit)}${Number.isFinite(error) ? ` ± ${percent(Math.abs(error * base / value))}` : ""}, flat ${number(base)}${doubtful(share, under)}`)),
       svg("line", { x1: X(0), x2: X(0), y1: y - 3, y2: y + 21, stroke: "var(--ink)", "stroke-width": 1.2 }),
       svg("rect", { class: "bar-of-change", "data-name": column.name, x: Math.min(X(0), end), y, width: Math.max(Math.abs(end - X(0)), 1), height: 18,
         fill: better ? colour : "var(--paper)", stroke: colour, "stroke-width": 1.5, ...(better ? {} : { "stroke-dasharray": "4 3" }) }),
@@ -52,11 +56,13 @@ function bars(i, width) {
   return made;
 }
 
-/** J_W against the flat foot's, with the raw values behind. */
+/** J_W against the flat foot's, with its range under other laws, and the raw values behind. */
 function gain(i) {
   const c = data.columns.findIndex((column) => column.name === "efficiency"), base = entry.flat?.efficiency;
   if (c < 0 || !Number.isFinite(valueOf(i, c) / base)) return "";
-  return el("p", { id: "gain" }, el("strong", {}, `J_W ${change(valueOf(i, c), base, data.columns[c])}`),
+  const under = underLaws(i, "efficiency"), [low, high] = range(under.map((u) => 1 + u.share), 0);
+  const laws = under.length ? `; x ${low.toFixed(2)} to ${high.toFixed(2)} under ${under.length} other laws of sand${doubtful(valueOf(i, c) / base - 1, under)}` : "";
+  return el("p", { id: "gain" }, el("strong", {}, `J_W ${change(valueOf(i, c), base, data.columns[c])}${laws}`),
     el("span", { class: "note" }, ` (${number(valueOf(i, c))} against ${number(base)})`));
 }
 
