@@ -6,12 +6,10 @@ from importlib.util import find_spec
 
 import pytest
 from running import QUICK, footopt, only_folder
-from shapely import Polygon
 from study_pages import check_page
 
 import footopt as fo
 from footopt.errors import SettingError
-from footopt.files.outline import body_outline
 from footopt.studies.runs import foot_of
 from footopt.walk import PRESETS, STEPPERS
 
@@ -116,24 +114,6 @@ class TestSimulateARun:
         assert result["design"]["width_m"] == 0.08
 
 
-class TestExport:
-    """study=export, of runs of either kind that are over."""
-
-    def test_the_best_of_a_search_with_a_block(self, run_ga, tmp_path):
-        done = footopt("study=export", f"run={run_ga[1]}", "foot.block=[0.06,0.02]", cwd=tmp_path)
-        assert done.returncode == 0, done.stderr
-        folder = only_folder(tmp_path)
-        result = json.loads((folder / "result.json").read_text())
-        design = json.loads((run_ga[1] / "result.json").read_text())["design"]
-        assert result["design"] == design
-        bare = Polygon(body_outline(fo.Foot.from_waypoints(design["k"]))).area
-        assert result["area_mm2"] == pytest.approx(1e6 * bare + 1200.0)
-        assert result["volume_mm3"] == pytest.approx(100.0 * result["area_mm2"])
-        for ending in ("csv", "dxf", "svg", "stl"):
-            assert (folder / f"contour.{ending}").is_file()
-        assert (folder / "contour.csv").read_text() == (run_ga[1] / "contour.csv").read_text()
-
-
 class TestAccuracy:
     @pytest.mark.slow
     def test_errors_and_costs_of_every_stepper_and_preset_are_measured(self, tmp_path):
@@ -169,10 +149,3 @@ def test_a_traceback_on_request(tmp_path, monkeypatch):
     monkeypatch.setattr("footopt.cli.main._wants_traceback", True)
     with pytest.raises(SettingError, match=r"sand\.zeta = 0"):
         footopt("sand.zeta=0", cwd=tmp_path)
-
-
-def test_shell_completion_knows_groups_and_options(tmp_path, monkeypatch):
-    monkeypatch.setenv("COMP_LINE", "footopt sand=")
-    monkeypatch.setenv("COMP_POINT", "13")
-    done = footopt("-sc", "query=bash", cwd=tmp_path)
-    assert {"sand=soft", "sand=regular", "sand=hard"} <= set(done.stdout.split())

@@ -3,8 +3,6 @@
 import runpy
 from pathlib import Path
 
-from running import footopt
-
 from footopt.effects import EFFECTS
 from footopt.studies.meanings import known, settings
 
@@ -23,12 +21,3 @@ def test_it_has_every_setting_with_a_meaning_and_none_that_is_gone():
     bare = {f"effects.{name}" for name in EFFECTS}  # effects without parameters
     assert sorted(s.name for s in settings()) == sorted(set(known()) - bare)
     assert [s.name for s in settings() if not s.meaning] == []
-
-
-def test_help_shows_the_settings_of_a_group(tmp_path):
-    done = footopt("--help", "walker", "sand", "study", cwd=tmp_path)
-    assert done.returncode == 0
-    assert max(map(len, done.stdout.splitlines())) <= 80
-    assert "walker.g = 9.81  (float, m/s^2)\n    Gravity." in done.stdout
-    assert "sand.zeta = 1\n    Scale of the stress map on the Earth" in done.stdout
-    assert "foot.n" not in done.stdout

@@ -154,15 +154,6 @@ class TestResume:
         assert done.returncode == 0, done.stderr
         assert outcome(folder) == outcome(tmp_path / "fresh")
 
-    def test_with_another_engine_which_does_not_read_what_was_given_for_the_first(self, begun, tmp_path):
-        settings, words, _ = identity.read(begun)
-        settings["engine"] |= {"name": "dask", "timeout": 60.0}
-        identity.write(begun, settings, [*words, "engine=dask", "engine.timeout=60"])
-        done = footopt("resume=begun", "engine=local", cwd=tmp_path)
-        assert done.returncode == 0, done.stderr
-        kept = [word for word in words if not word.startswith("engine.")]
-        assert identity.read(begun).overrides == (*kept, "engine=local")
-
     def test_runs_of_settings_of_one_s_own_are_resumed_as_they_were(self, tmp_path, monkeypatch):
         own, ran = tmp_path / "mine", []
         (own / "sand").mkdir(parents=True)

@@ -151,24 +151,6 @@ def test_a_sweep_that_was_stopped_is_finished_by_one_command(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_launcher_s_jobs_find_what_they_find_here(tmp_path):
-    pytest.importorskip("hydra_plugins.hydra_submitit_launcher", reason="needs footopt[submitit]")
-    for launcher in ("basic", "submitit_local"):
-        words = [
-            "-m",
-            f"hydra/launcher={launcher}",
-            *WALK,
-            "sand.zeta=5,0.001",
-            f"hydra.sweep.dir={launcher}",
-        ]
-        done = footopt(*words, cwd=tmp_path)
-        assert done.returncode == 1  # nobody walks on sand of zeta 0.001
-        assert "1 of the jobs failed" in done.stderr
-    here, there = (result_of(tmp_path / launcher / "0") for launcher in ("basic", "submitit_local"))
-    assert here == there
-
-
-@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::FutureWarning")
 def test_optuna_finds_the_widest_foot_to_go_farthest(tmp_path):
     """Hydra's own sweeper of settings, as it is."""

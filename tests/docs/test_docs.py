@@ -3,7 +3,6 @@
 import os
 import re
 import shlex
-import tomllib
 from pathlib import Path
 
 import pytest
@@ -213,10 +212,3 @@ def test_python_is_python_and_its_public_names_exist(page):
         compile(text, page, "exec")
     for name in re.findall(r"\bfo\.([a-zA-Z_]+)", "\n".join([*code, *spans(TEXTS[page])])):
         assert hasattr(fo, name), f"{page}: fo.{name}"
-
-
-def test_every_extra_exists():
-    there = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
-    for page in {*TEXTS} - {CHANGES}:
-        for named in re.findall(r"(?:footopt|\.)\[([a-z0-9,]+)\]", TEXTS[page]):
-            assert set(named.split(",")) <= set(there), page

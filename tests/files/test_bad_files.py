@@ -8,7 +8,6 @@ import footopt as fo
 from footopt.cli.run import resume
 from footopt.errors import FileError
 from footopt.files import identity
-from footopt.studies.runs import foot_of
 
 FOOT = fo.Foot.from_waypoints([5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4])
 SAND = "beta,gamma,alpha_x,alpha_z\n" + "".join(
@@ -68,11 +67,6 @@ def test_what_cannot_be_opened_is_named(kind, tmp_path):
             READERS[kind](tmp_path / name)
         assert kind in str(caught.value)
         assert isinstance(caught.value, OSError)
-
-
-def test_a_folder_without_a_result_is_no_run(tmp_path):
-    with pytest.raises(FileError, match=r"^run = .*not the folder of a run"):
-        foot_of(tmp_path)
 
 
 @pytest.mark.parametrize(

@@ -260,14 +260,6 @@ class TestTheLine:
         same(read(path, toe="left"), LOWER[::-1] * [-1, 1], 1e-9)
         same(read(path, origin="centre"), LOWER - [5e-3, -5e-3], 1e-9)
 
-    @pytest.mark.parametrize("scale", [0.1, 10.0])
-    def test_is_flattened_as_finely_whatever_its_scale(self, svg, scale):
-        radius = 0.1 / scale  # m in the file
-        points = read(svg(f'<circle r="{1e3 * radius}"/>'), scale=scale)
-        middles = 0.5 * (points[1:] + points[:-1])
-        assert 0.1 - np.linalg.norm(middles, axis=1).min() < 2e-5
-        assert len(points) < 300
-
     def test_is_one_of_several_by_its_layer(self, svg):
         shapes = f'<g id="a">{polygon(OUTLINE)}</g><g id="screw"><circle cx="20" cy="45" r="4"/></g>'
         with pytest.raises(FileError, match=r"holds 2: .*'screw'"):

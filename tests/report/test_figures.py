@@ -187,15 +187,6 @@ def test_traces_are_the_walk_s_with_units_and_heel_strikes(name, hard, soft):
         assert strikes[:3] == pytest.approx([1.1, 1.7, 2.3])
 
 
-def test_a_walk_that_fails_on_its_way_ends_in_a_cross(hard, sunk):
-    figure = figures.power_work({"hard": hard, "dust": sunk})
-    assert "dust (failed: sunk)" in texts(figure)
-    for axes in figure.axes:
-        crosses = [line for line in axes.get_lines() if line.get_marker() == "x"]
-        assert [line.get_xdata()[0] for line in crosses] == [sunk.t[-1]]
-        assert axes.get_xlim() == (0.0, hard.scene.duration)
-
-
 # --- many designs ---------------------------------------------------------------------------------
 
 

@@ -61,22 +61,6 @@ def test_a_frame_shows_legs_soles_force_and_time(walk):
     assert len(axes.get_children()) == count  # what was drawn before is gone
 
 
-def test_the_camera_follows_a_long_walk():
-    walk = fo.simulate(fo.Foot.flat(), fo.Scene(t_f=6.0), "draft")
-    times = np.array([0.1, 3.0, 6.0])
-    figure, show = film.scene_of(walk, times, 1.0)
-    axes = figure.axes[0]
-    seen = []
-    for i, x in enumerate(np.interp(times, walk.t, walk.com[:, 0])):
-        show(i)
-        seen.append(axes.get_xlim())
-        assert seen[-1][0] < x < seen[-1][1]
-    widths = np.diff(seen, axis=1)
-    assert widths.min() == pytest.approx(widths.max())
-    assert seen[0][0] < seen[1][0] < seen[2][0]
-    assert widths.max() < np.ptp(walk.com[:, 0])
-
-
 def test_a_failed_walk_is_filmed_to_its_end_and_one_without_a_step_is_refused(tmp_path):
     walk = fo.simulate(fo.Foot.flat(), fo.Scene(sand=fo.Sand(zeta=0.02)), "draft")
     assert walk.reason == "sunk"

@@ -5,7 +5,7 @@ import math
 import pytest
 
 import footopt as fo
-from footopt.report.numbers import change, number, percent, sand_title, title
+from footopt.report.numbers import change, number
 from footopt.report.terminal import describe_scene
 
 
@@ -16,10 +16,6 @@ from footopt.report.terminal import describe_scene
 )  # fmt: skip
 def test_numbers_have_four_digits_and_short_exponents(value, text):
     assert number(value) == text
-
-
-def test_a_percentage_has_two_digits_and_its_zero():
-    assert [percent(share) for share in (8.2e-6, 5e-4, 0.0, math.inf)] == ["0.00082 %", "0.05 %", "0 %", "-"]
 
 
 def test_a_change_of_j_w_is_a_multiple_and_others_are_percentages():
@@ -33,11 +29,3 @@ def test_parameters_of_effects_have_units():
     scene = fo.Scene(effects=(fo.Slope(10), fo.Patches((0.9,), (1.5,), (0.2,))))
     words = "patches (begins 0.9 m, ends 1.5 m, factors 0.2, blur 0.05 m), slope (angle 10 deg)"
     assert describe_scene(scene) == f"hard sand (zeta 5), {words}"
-
-
-def test_names_are_words():
-    assert (title("peak_power"), title("efficiency")) == ("peak power", "efficiency J_W")
-    assert [sand_title(s) for s in (fo.Sand.named("soft"), fo.Sand(zeta=2.5))] == [
-        "soft sand",
-        "sand of zeta 2.5",
-    ]

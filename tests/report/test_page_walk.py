@@ -106,18 +106,3 @@ def test_so_do_soles_in_any_scene_or_the_page_says_what_rounding_does(seed, brow
         "{ zeta: P.sand.zeta, mass: P.walker.mass })?.[1] ?? 0)", feet[apart].tolist()
     )  # fmt: skip
     assert (off[apart] < 10.0 * np.array(said, float)).all()
-
-
-@pytest.mark.parametrize(
-    ("scene", "accuracy", "foot", "said"),
-    [
-        (fo.Scene(effects=(fo.Rest(),)), "draft", fo.Waypoints(), "effects=rest"),
-        (fo.Scene(), fo.Accuracy("heun", 1e-3), fo.Waypoints(), "stepper=heun"),
-        (fo.Scene(), "draft", fo.Waypoints(closed=True), "foot.closed=true"),
-        (fo.Scene(t_f=300.0), fo.Accuracy(dt=1e-2, control=3e-3), fo.Foot.flat(), "too long"),
-    ],
-)
-def test_where_the_page_cannot_walk_it_says_why(scene, accuracy, foot, said):
-    accuracy = resolve(accuracy)
-    (why,) = physics(scene, accuracy, foot).values()
-    assert said in why

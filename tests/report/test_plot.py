@@ -2,7 +2,6 @@
 
 import base64
 import io
-import sys
 from dataclasses import replace
 from functools import cache
 from html.parser import HTMLParser
@@ -16,7 +15,6 @@ from matplotlib.image import imread
 from scipy.io import netcdf_file
 
 import footopt as fo
-from footopt.errors import FootoptError, MissingError
 from footopt.files import io as files
 from footopt.report import plot, stage
 
@@ -202,11 +200,3 @@ def test_the_frame_of_a_search_is_designs_csv(searches, tmp_path, kind):
     for name in ("generation", "k3", "work", "feasible", "reason"):
         np.testing.assert_array_equal(frame[name].astype(read[name].dtype), read[name])
     assert frame.attrs["units"]["work"] == "J"
-
-
-def test_without_the_library_the_error_names_the_extra(monkeypatch):
-    monkeypatch.setitem(sys.modules, "mujoco", None)
-    with pytest.raises(MissingError, match=r'pip install "footopt\[mujoco\]"') as caught:
-        fo.mujoco.attach(None, None, {}, fo.Sand())
-    assert isinstance(caught.value, FootoptError)
-    assert isinstance(caught.value, ImportError)

@@ -7,7 +7,7 @@ from rich.console import Console
 from study_pages import leave_job
 
 import footopt as fo
-from footopt.report import summary, terminal
+from footopt.report import summary
 from footopt.report.numbers import number
 from footopt.report.progress import progress
 
@@ -23,17 +23,6 @@ def test_a_log_file_has_no_progress():
 
 
 class TestNarrowTables:
-    def test_numbers_are_never_cut_and_words_wrap(self):
-        out = Console(file=io.StringIO(), width=60, force_terminal=True)
-        shown = terminal.table(("objective", "a number", "one more number"), words=("objective",))
-        shown.add_row("a rather long name of an objective", "-2.527e-4", "1.23456789e-05 ± 2.5e-07")
-        out.print(shown)
-        text = ESCAPE.sub("", out.file.getvalue())
-        assert "-2.527e-4" in text
-        assert "1.23456789e-05 ± 2.5e-07" in text
-        assert "…" not in text
-        assert {"rather", "long", "name", "objective"} <= set(text.split())
-
     def test_a_multirun_cuts_no_number_and_names_the_columns_left_out(self, tmp_path, monkeypatch):
         walk = fo.simulate(fo.Foot.flat(), accuracy="draft")
         leave_job(tmp_path / "0", walk)

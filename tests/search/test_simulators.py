@@ -82,7 +82,3 @@ class TestFunctions:
     def test_walks_have_no_traces(self):
         with pytest.raises(SettingError, match="simulator"):
             fo.simulate(fo.Foot.flat(), Simulator.from_function(ramp, FIVE))
-
-    def test_what_is_promised_has_to_come(self):
-        with pytest.raises(SettingError, match="joint_work"):
-            fo.evaluate(SOLES, Simulator.from_function(ramp, [*FIVE, "joint_work"]), space=SPACE)

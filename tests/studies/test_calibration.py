@@ -8,7 +8,6 @@ import yaml
 from running import footopt
 
 import footopt as fo
-from footopt.errors import FileError
 from footopt.studies.calibrate import SHALLOW, calibrate
 
 SAMPLE = 60  # tests of a sand; more with FOOTOPT_CALIBRATIONS
@@ -91,21 +90,6 @@ class TestWarnings:
         path.write_text(HEAD + "\n".join(down + drag) + "\n")
         (said,) = calibrate(path).warnings
         assert said.startswith("zeta of the tests with 25 cm² at 90° moved at 0° is 1.50 times")
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("depth,force\n1,2\n", "lacks depth_mm, force_N, area_cm2"),
-        ("depth_mm,force_N,area_cm2\n-10,8,25\n-20,16,25\n", "no row with depth_mm > 0"),
-        ("depth_mm,force_N,area_cm2\n10,8000,25\n20,16000,25\n30,24000,25\n", "Check the units"),
-        ("depth_mm,force_N,area_cm2\n10,8,25\n20,16,25\n", "fewer than 3 different depths"),
-    ],
-)
-def test_what_is_wrong_with_a_file_is_named(tmp_path, text, message):
-    (tmp_path / "t.csv").write_text(text)
-    with pytest.raises(FileError, match=rf"study\.tests = .*t\.csv.*{message}"):
-        calibrate(tmp_path / "t.csv")
 
 
 @pytest.mark.parametrize("mark", [";", "\t"])

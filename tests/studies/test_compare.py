@@ -1,13 +1,11 @@
 """Earlier runs side by side: found by name or pattern, told where they are, and never mixed up."""
 
 import csv
-import json
 
 import pytest
 from study_pages import leave_job
 
 import footopt as fo
-from footopt.errors import FileError, SettingError
 from footopt.files import identity
 from footopt.studies import Compare
 from footopt.studies.compare import run_folders
@@ -58,18 +56,6 @@ def test_a_table_a_file_and_a_page(runs, capsys):
     assert (runs / "here" / "result.json").is_file()
 
 
-def test_objectives_of_plugins_are_compared_by_what_the_runs_say_of_them(runs):
-    for i, name in enumerate(("old/a", "old/b")):
-        path = runs / name / "result.json"
-        result = json.loads(path.read_text())
-        result["objectives"]["work_per_metre"] = 80.0 + i
-        result["units"]["work_per_metre"], result["maximise"]["work_per_metre"] = "J/m", False
-        path.write_text(json.dumps(result))
-    compare(runs / "here", f"{runs}/old/[ab]")
-    text = (runs / "here" / "report.html").read_text()
-    assert '"name":"work_per_metre","title":"work per metre","unit":"J/m","maximise":false' in text
-
-
 def test_each_run_once_and_not_the_one_that_is_running(runs):
     own = runs / "old" / "a"
     found = run_folders([f"{runs}/*/[ab]", str(runs / "old" / "b"), f"{runs}/**/c"], own)
@@ -85,17 +71,3 @@ def test_a_multirun_stands_for_its_jobs_in_their_order(runs):
     expected = [runs / "multi" / job for job in ("0", "2", "9", "10")]
     assert run_folders([f"{runs}/mul*"], runs) == expected
     assert run_folders([f"{runs}/multi/0", f"{runs}/multi"], runs) == expected
-
-
-@pytest.mark.parametrize(
-    ("patterns", "error", "message"),
-    [
-        ([], SettingError, r"study\.runs = \[\]: must be folders of runs\. Try footopt study=compare"),
-        (["nowhere"], FileError, r"study\.runs = 'nowhere': not the folder of a run"),
-        (["{runs}/old/o*"], FileError, "none of the 1 folders has a foot to compare"),
-    ],
-)
-def test_what_cannot_be_compared(runs, patterns, error, message):
-    with pytest.raises(error, match=message):
-        compare(runs / "here", *(pattern.format(runs=runs) for pattern in patterns))
-    assert not (runs / "here" / "summary.csv").exists()

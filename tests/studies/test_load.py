@@ -46,18 +46,6 @@ class TestRun:
         assert (again.folder / "designs.csv").read_bytes() == (search.folder / "designs.csv").read_bytes()
         shutil.rmtree(cwd / "again")
 
-    @pytest.mark.parametrize(
-        ("words", "says"),
-        [(["snad=soft"], "Did you mean sand=soft?"), (["foot.width=0"], "foot.width = 0"),
-         (["foot.length=.2"], "must be left out"), ("sand=soft", "must be a list")],
-    )  # fmt: skip
-    def test_what_is_wrong_is_said_as_there(self, words, says, tmp_path, monkeypatch):
-        monkeypatch.chdir(tmp_path)
-        with pytest.raises(fo.FootoptError) as error:
-            fo.run(words)
-        assert says in str(error.value)
-        assert not list(tmp_path.rglob(identity.FILE))
-
     @pytest.mark.slow
     def test_goes_on_with_one(self, made, tmp_path, monkeypatch):
         unrender(monkeypatch)
@@ -105,13 +93,6 @@ class TestLoad:
         assert {n: walk.objectives[n] for n in run.best} == run.best
         with pytest.raises(SettingError, match="must be optimize, to search again"):
             run.search()
-
-    @pytest.mark.slow
-    def test_with_effects_that_the_audit_has_chosen(self, made, tmp_path):
-        done = footopt("study=simulate", "accuracy=draft", "effects=auto", "hydra.run.dir=run", cwd=tmp_path)
-        assert done.returncode == 0, done.stderr
-        run = fo.load(tmp_path / "run")
-        assert {n: run.walk().objectives[n] for n in run.best} == run.best
 
     def test_a_read_walks_nothing(self, made, tmp_path):
         """Who asks a run that was stopped for its designs is told how to have them."""

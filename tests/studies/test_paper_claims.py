@@ -76,12 +76,6 @@ class TestReadings:
         power = np.where(alone, walk.power, 1e6)
         assert walks.single_stance_power(replace(walk, power=power)) == walks.single_stance_power(walk)
 
-    def test_a_failed_walk_has_no_readings(self, failed):
-        assert math.isnan(
-            read(failed, Paper(peak_power="single", speed_loss="window")).objectives["efficiency"]
-        )
-        assert np.isnan(switch_losses(failed, "walk")).all()
-
     @pytest.mark.parametrize("chosen", [Paper(), Paper(peak_power="single", speed_loss="narrow")])
     def test_a_search_ranks_by_what_is_read(self, chosen):
         problem = fo.FootProblem(scene("hard"), objective(chosen), accuracy="draft")

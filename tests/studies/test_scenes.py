@@ -33,25 +33,6 @@ class TestSettings:
         assert one.effects == other.effects
         assert {*one.effects} == {fo.Layers(), fo.Inertia(), fo.Slope(-3.0)}
 
-    @pytest.mark.parametrize(
-        ("name", "effects", "zeta"),
-        [
-            ("walk", (), 5.0),
-            ("incline", (fo.Slope(10.0),), 5.0),
-            ("crust", (fo.Layers((0.02,), (0.04,)),), 5.0),
-            ("patchy", (fo.Patches((0.9,), (1.5,), (0.2,), 0.05),), 5.0),
-            ("brisk", (fo.Inertia(),), 5.0),
-            ("deep", (fo.LeadingEdge(),), 0.2),
-        ],
-    )
-    def test_scenes(self, name, effects, zeta):
-        config = composed(f"scene={name}")
-        scene = build.make_scene(config)
-        assert (scene.effects, scene.sand.zeta) == (effects, zeta)
-        assert config.scene.name == name
-        assert scene.gait.period == (0.9 if name == "brisk" else 1.2)
-        assert build.make_space(config.foot).closed == (name == "deep")
-
     def test_what_the_command_line_names_wins_over_the_scene(self):
         scene = scene_of("scene=deep", "sand=hard", "effects=[]")
         assert (scene.sand.zeta, scene.effects) == (5.0, ())

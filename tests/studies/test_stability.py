@@ -9,9 +9,7 @@ from running import footopt
 from study_pages import check_page
 
 import footopt as fo
-from footopt.errors import SettingError
-from footopt.studies import Stability, stability
-from footopt.studies.settings import Config
+from footopt.studies import stability
 from footopt.studies.stability import Measure, judge, judge_case
 from footopt.studies.stability_cases import CASES
 from footopt.walk.accuracy import PRESETS
@@ -103,12 +101,3 @@ class TestStudy:
         check_page(tmp_path / "out")
         assert "NO chatter" in done.stdout
         assert " ok " in done.stdout
-
-    def test_an_unknown_case_or_stepper_is_refused(self):
-        for setting, value in (("cases", ["flying"]), ("methods", ["leapfrog"]), ("cases", [])):
-            config = Config(study=Stability())
-            setattr(config.study, setting, value)
-            with pytest.raises(SettingError, match=rf"study\.{setting} = "):
-                stability.chosen(config)
-        cases, methods = stability.chosen(Config(study=Stability()))
-        assert (cases, methods) == (list(CASES), list(stability.METHODS))

@@ -9,7 +9,6 @@ from running import composed
 from study_pages import check_page
 
 import footopt as fo
-from footopt.errors import SettingError
 from footopt.studies.runs import run_study
 
 BRIEF = ["study=transfer", "study.sands=[hard,2.5]", "study.walks=60", "solver.walks=20", "study.soles=8",
@@ -39,15 +38,3 @@ def test_each_foot_walks_on_both_and_losses_are_against_the_better_design(tmp_pa
     with open(tmp_path / "transfer.csv", newline="") as file:
         assert len(list(csv.DictReader(file))) == 2 * 3 * 2
     check_page(tmp_path)
-
-
-def test_it_needs_a_robot_one_objective_and_sands_that_there_are(tmp_path):
-    pytest.importorskip("mujoco")
-    for words, name in (
-        (["simulator=walker"], "simulator"),
-        (["objective=pareto"], "objective"),
-        (["study.sands=[mud]"], "study.sands"),
-    ):
-        with pytest.raises(SettingError) as error:
-            run_study(composed("study=transfer", *words), tmp_path, {}, words)
-        assert error.value.setting == name

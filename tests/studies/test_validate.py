@@ -15,10 +15,8 @@ from study_pages import check_page
 
 import footopt as fo
 from footopt.effects import EFFECTS
-from footopt.errors import SettingError
 from footopt.mujoco.faces import stress
 from footopt.report import terminal
-from footopt.report.numbers import number
 from footopt.sand import alpha
 from footopt.studies.runs import run_study
 from footopt.studies.validate import cells
@@ -75,20 +73,6 @@ class TestComparison:
 
 @pytest.mark.parametrize("e", ALL.values(), ids=list(ALL))
 class TestFiles:
-    def test_a_file_says_where_its_numbers_are_from(self, e):
-        for entry in ("title", "source", "about", "reading", "rig", "laws"):
-            assert e.content[entry], entry
-        assert e.content["rig"] in rig.RIGS
-        assert all(name in EFFECTS for law in e.content["laws"] for name in law)
-        for part in e.content["inputs"].values():
-            low, value, high = (np.asarray(part[name]) for name in ("low", "value", "high"))
-            assert ((low < value) & (value < high)).all()
-            assert part["why"]
-        for q in e.content["quantities"]:
-            assert q["unit"] in UNITS
-            assert q["uncertainty"] > 0.0
-            assert q["why"]
-
     def test_a_scale_of_the_map_is_a_level_plates_and_is_not_tuned(self, e):
         if e.content["rig"] == "plate":
             level = e.content["setup"]["pairs"].index([0, 90])
@@ -172,31 +156,6 @@ def hard_walk(flat_foot):
     return fo.simulate(flat_foot)
 
 
-@pytest.mark.slow
-def test_the_docs_say_what_hollow_and_convex_soles_are_worth():
-    """J_W of the feet that the searches found, under each law."""
-    edge = fo.LeadingEdge()
-    laws_ = {
-        "plain law": (),
-        "leading edge": (edge,),
-        "shadowing": (fo.Shadowing(),),
-        "both": (edge, fo.Shadowing()),
-    }
-    best = ([2, 6, 6, 2, 1, 1, 1, 1, 3, 4, 1], [2, 5, 3, 1, 1, 1, 1, 1, 2, 4, 5],
-            [4, 6, 5, 4, 1, 1, 1, 1, 3, 4, 1], [1, 3, 2, 1, 1, 1, 1, 1, 1, 1, 1])  # fmt: skip
-    plain, other = [4, 5, 2, 1, 4, 3, 1, 3, 3, 3, 1], [1, 3, 2, 2, 1, 2, 1, 2, 1, 1, 1]
-    text = DOCS.read_text(encoding="utf-8")
-    for (law, effects), k, convex in zip(laws_.items(), best, (plain, other) * 2, strict=True):
-        hull = (*(e for e in effects if e == edge), fo.Shadowing(0.0))
-        own, flat = (
-            fo.simulate(fo.Foot.from_waypoints(heights), fo.Scene(effects=on), "fine").objectives[
-                "efficiency"
-            ]
-            for heights, on in ((k, effects), (convex, hull))
-        )
-        assert f"| {law} | {number(own)} | {number(flat)} | {100 * (1 - flat / own):.0f} % |" in text
-
-
 class TestStudy:
     def test_it_leaves_a_page_a_table_and_a_figure_for_each_experiment(self, tmp_path, capsys, monkeypatch):
         unrender(monkeypatch)
@@ -213,7 +172,3 @@ class TestStudy:
         }
         said = capsys.readouterr().out
         assert "Of 2 comparisons 0 agree, 2 differ, and 0 cannot be told." in said
-
-    def test_an_experiment_that_is_not_there_is_refused(self, tmp_path):
-        with pytest.raises(SettingError, match=r"study\.cases = 'moon': must be one of wheel"):
-            run_study(composed("study=validate", "study.cases=[moon]"), tmp_path, {})

@@ -16,9 +16,9 @@ A scene is drawn by its number alone, so that a sample of any size begins alike.
   closed.
 - duration: two strides after the start, or between 0.02 and 4 strides after the first heel strike.
 
-``python tests/random_scenes.py FIRST LAST OUT.csv`` judges two feet of each scene from FIRST up to LAST, a
-row a foot (300 scenes take half an hour of one core). It continues an OUT.csv that is there, stops after the
-seconds that a fourth argument says, and prints the tables of docs/evidence/accuracy.md.
+``python benchmarks/random_scenes.py FIRST LAST OUT.csv`` judges two feet of each scene from FIRST up to LAST,
+a row a foot (300 scenes take half an hour of one core). It continues an OUT.csv that is there, stops after
+the seconds that a fourth argument says, and prints the tables of docs/evidence/accuracy.md.
 """
 
 import csv
