@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from concurrent.futures import Executor
-from contextlib import AbstractContextManager
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -56,7 +55,7 @@ class Comparison:
     values: dict[str, dict[str, dict[str, float]]]  # by side, foot and objective
     losses: dict[str, dict[str, float]]  # by side and foot, against the better of the designed ones
     tau: float  # Kendall's, of random soles
-    ranked: int  # how many of these walk on both
+    soles: int  # how many of these walk on both
 
 
 def run(study: Study) -> None:
@@ -102,15 +101,8 @@ def run(study: Study) -> None:
             "objective_names": names,
             "search_accuracy": accuracy_entry(study.accuracy, robot, study.space),
             "transfer": [
-                {
-                    "sand": t.sand.name,
-                    "zeta": t.sand.zeta,
-                    "feet": {name: foot.k for name, foot in t.feet.items()},
-                    "values": t.values,
-                    "losses": t.losses,
-                    "tau": t.tau,
-                    "soles": t.ranked,
-                }
+                vars(t)
+                | {"sand": t.sand.name, "zeta": t.sand.zeta, "feet": {n: f.k for n, f in t.feet.items()}}
                 for t in found
             ],
         },
@@ -120,12 +112,8 @@ def run(study: Study) -> None:
 
 def named(sand: Any) -> Sand:
     """A sand by its name, or by its zeta."""
-    return Sand.named(sand) if sand in MEDIA else Sand(zeta=_zeta(sand), name=f"zeta {sand}")
-
-
-def _zeta(sand: Any) -> float:
     try:
-        return float(sand)
+        return Sand.named(sand) if sand in MEDIA else Sand(zeta=float(sand), name=f"zeta {sand}")
     except ValueError:
         raise SettingError("study.sands", sand, f"a zeta, or one of {', '.join(MEDIA)}") from None
 
@@ -134,9 +122,8 @@ def _designed(study: Study, side: Side, objective: str, solver: Solver, executor
     """The best foot that a search on one side finds, its finalists walked more finely."""
     problem = FootProblem(side.simulator, objective, study.space, side.accuracy, study.threads)
     asked = replace(solver, walks=side.walks)
-    bar: AbstractContextManager[Any] = study.progress(asked.generations(study.space), "generation")
     name = f"{problem.scene.title}, {side.name}"
-    with bar as step:
+    with study.progress(asked.generations(study.space), "generation") as step:
         result = searched(study, problem, asked, name, executor, report_generations(step, objective))
     study.say(f"{name}: {terminal.describe_search(result)}")
     best = confirm(result, side.finer, study.options.finalists).designs[0]
@@ -171,12 +158,14 @@ def describe(found: Comparison, objective: str) -> str:
     """The answer for a sand in words."""
     loss, what = found.losses[ROBOT][WALKER], objective.replace("_", " ")
     answer = "the walker is enough" if loss <= ENOUGH else "design on the robot"
-    if found.losses[ROBOT][ROBOT] > 0.0:
+    if np.isnan(loss):
+        answer = "design on the robot, on which the walker's foot fails"
+    elif found.losses[ROBOT][ROBOT] > 0.0:
         answer = "the robot's search found no better foot than the walker's; more solver.walks may"
     return (
         f"{found.sand.name} sand: {answer}. The walker's foot loses {100 * loss:.1f} % of {what} on the "
         f"robot, the robot's foot {100 * found.losses[WALKER][ROBOT]:.1f} % on the walker; Kendall's tau of "
-        f"{found.ranked} random soles is {found.tau:.2f}."
+        f"{found.soles} random soles is {found.tau:.2f}."
     )
 
 
