@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from footopt.effects import base as effects
-from footopt.errors import check, check_whole
+from footopt.errors import check_whole
 from footopt.foot import Plates, Waypoints, as_plates
 from footopt.foot.plates import RULES
 from footopt.walk import discretize
@@ -62,7 +62,6 @@ class Options(NamedTuple):
     sink: bool  # whether to follow the maximum sinkage
     threads: int | None
     traced: bool = False
-    remembers: bool = True  # whether a trace has the bristles of every row, or the last
 
 
 def walk_batch(plates: Plates, scene: Scene, accuracy: Accuracy, options: Options) -> Output:
@@ -87,21 +86,12 @@ def walk_batch(plates: Plates, scene: Scene, accuracy: Accuracy, options: Option
 
 def _walk_once(plates: Plates, scene: Scene, accuracy: Accuracy, options: Options) -> Output:
     """Walk a batch once, with the given time step."""
-    remembers = options.traced and options.remembers
-    check(
-        not remembers or discretize.bristle_bytes(scene, accuracy) <= discretize.MOST_BYTES,
-        "accuracy.plates",
-        accuracy.plates,
-        f"fewer for a walk of {scene.duration:g} s in steps of {accuracy.dt:.2g} s with bristles, "
-        "which are kept at every step",
-        "Or take a longer accuracy.dt; evaluate keeps nothing.",
-    )
     stepper, designs = STEPPERS[accuracy.stepper], len(plates.x)
     times, pose0, tables = discretize.poses(scene, accuracy)
     soles = discretize.soles(plates)._replace(directed=True)
     rows, constants = len(tables[-1]) + 1 if options.traced else 0, discretize.world(scene, accuracy)
     constants = discretize.compiled_once(constants)
-    shape = rows if options.remembers else 1, 2, 2, soles.plates.shape[2]
+    shape = discretize.bristle_rows(rows, soles.plates.shape[2]), 2, 2, soles.plates.shape[2]
     finest, control = len(tables) - 1, math.inf if accuracy.control is None else accuracy.control
     tables += tables[:1] * (
         discretize.HALVINGS - finest

@@ -74,13 +74,13 @@ def next_step(bristles):
 
 
 @inlined
-def record(trace, row, bristles):
-    """Write the bristles at a step's beginning into a row of their trace, where there is one.
+def record(trace, row, rows, bristles):
+    """Write the bristles at a step's beginning into their trace, where there is one, at `row` of `rows`.
 
-    A trace of one row holds the last ones.
+    Rows that share one of a shorter trace leave the last of theirs.
     """
     if bristles is not None:
-        h, row = bristles.h_n, row % len(trace)
+        h, row = bristles.h_n, row * len(trace) // rows
         for foot in range(2):  # loops: numba takes 20 s to compile an assignment of arrays
             for i in range(h.shape[2]):
                 trace[row, foot, 0, i], trace[row, foot, 1, i] = h[foot, 0, i], h[foot, 1, i]

@@ -24,7 +24,7 @@ STICKING = 1e-3  # the same where bristles hold plates: the law is bent where th
 REST = 4  # longer steps while the walker stands
 HALVINGS = 3  # of a step under control, at most
 ROWS = 5_000_000  # poses of a walk that are tabulated, 112 bytes each; ten minutes take 2.6 million
-MOST_BYTES = 4e9  # bytes that the bristles of a traced walk may take
+MOST_BYTES = 1e9  # bytes that the bristles of a traced walk may take
 POSES = 64  # motions whose poses are kept: about 1 MB each, and the time of a few dozen walks
 LONG = ROWS // POSES  # poses of a motion of which only `LONG_ONES` are kept
 LONG_ONES = 2
@@ -82,17 +82,9 @@ def too_many_poses(scene: Scene, accuracy: Accuracy) -> bool:
     return pose_rows(scene, accuracy) > ROWS
 
 
-def too_long(scene: Scene, accuracy: Accuracy) -> bool:
-    """Whether a walk is too long to be traced: for its poses, or for what its bristles remember."""
-    return too_many_poses(scene, accuracy) or bristle_bytes(scene, accuracy) > MOST_BYTES
-
-
-def bristle_bytes(scene: Scene, accuracy: Accuracy) -> float:
-    """How much the bristles of a traced walk take at most, in single precision."""
-    if effects.bristle_length(scene.effects) is None:
-        return 0.0
-    steps = scene.duration / accuracy.dt * (1 if accuracy.control is None else 2**HALVINGS)
-    return steps * accuracy.plates * 16.0
+def bristle_rows(rows: int, plates: int) -> int:
+    """How many rows of a trace have bristles of their own: all, or those that there is room for."""
+    return min(rows, max(1, int(MOST_BYTES / (16.0 * plates))))
 
 
 def poses(scene: Scene, accuracy: Accuracy) -> tuple[Array, Array, tuple[Array, ...]]:

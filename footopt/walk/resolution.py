@@ -103,7 +103,7 @@ def resolution(walk: Walk, errors: Mapping[str, float]) -> list[Diagnostic]:
     changes = {
         cause: abs(simulate(walk.foot, walk.scene, one).objectives[worst] - values[worst])
         for cause, one in finer(walk.accuracy).items()
-        if isinstance(walk.scene, Scene) and not discretize.too_long(walk.scene, one)
+        if isinstance(walk.scene, Scene) and not discretize.too_many_poses(walk.scene, one)
     }
     if isinstance(walk.scene, Scene) and not changes:
         return []

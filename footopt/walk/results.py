@@ -144,14 +144,16 @@ class Walk:
         Negative where the sand takes energy.
     start : (2,), m
         Hip at t = 0.
-    bristles : (T, 2 feet, N, 2), optional
-        Memory of the sand under each plate (`footopt.walk.bristles`).
+    bristles : (R, 2 feet, N, 2), optional
+        Memory of the sand under each plate (`footopt.walk.bristles`): of a long walk, of fewer samples.
     reason : str
         "" or why the walk failed (then the traces end there).
     totals : dict
         The loop's own results by name (`RAW`), by the stepper's own quadrature.
     evaluations, rescues, shortened, repeats : int
         Of the walk, see `Table`.
+    remembered : (T,), optional
+        The row of `bristles` nearest to each sample; None where each has its own.
     """
 
     foot: Foot
@@ -171,6 +173,7 @@ class Walk:
     rescues: int
     shortened: int
     repeats: int
+    remembered: NDArray[np.int64] | None = None
 
     def __repr__(self) -> str:
         title = f"<Walk of {self.foot.name} on {self.scene.title}"
@@ -242,7 +245,8 @@ class Walk:
     def plates(self, index: ArrayLike) -> PlateStates:
         """Every plate's place, motion and force at some samples, by the walk's own law."""
         i = np.asarray(index)
-        bristles = None if self.bristles is None else self.bristles[i].astype(np.float64)
+        rows = i if self.remembered is None else self.remembered[i]
+        bristles = None if self.bristles is None else self.bristles[rows].astype(np.float64)
         state = self.sole, self.pose(i), self.com[i], self.velocity[i], self.world, self.accuracy.creep
         return plate_states(*state, bristles=bristles)
 

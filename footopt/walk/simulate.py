@@ -64,6 +64,9 @@ def simulate(
     plates = foot.plates(accuracy.plates, accuracy.rule, directed, effects.reshaping(scene.effects))
     walked = walk_batch(plates, scene, accuracy, Options(sink=True, threads=1, traced=True))
     rows, h = 1 + np.flatnonzero(np.isfinite(walked.trace[1:]).all(axis=1)), walked.bristles
+    kept, which = (
+        (None, None) if h is None else np.unique(rows * len(h) // len(walked.trace), return_inverse=True)
+    )
     c: Any = Sample(*walked.trace[rows].T)  # columns
     return Walk(
         foot=foot,
@@ -75,7 +78,8 @@ def simulate(
         force=np.stack([_pair(c.fx_left, c.fz_left), _pair(c.fx_right, c.fz_right)], axis=1),
         power=_pair(c.power_left, c.power_right),
         work=_pair(c.work_left, c.work_right),
-        bristles=None if h is None else np.moveaxis(h[rows][..., : plates.x.shape[1]], 2, 3),
+        bristles=None if h is None else np.moveaxis(h[kept][..., : plates.x.shape[1]], 2, 3),
+        remembered=None if kept is None or len(kept) == len(rows) else which,
         start=np.array(Sample(*walked.trace[0])[1:3]),
         reason=REASONS[int(walked.status[0])],
         totals=dict(zip(RAW, map(float, walked.raw[0]), strict=True)),
@@ -156,10 +160,7 @@ def estimated(
     walks that refinement by chance changes little. NaN where a refined walk ends otherwise, or is too long.
     """
     finer = [accuracy.refined(times) for times in (1, 2)]
-    too_long: Any = (
-        discretize.too_long if any(m.of == "walk" for m in lookup(names)) else discretize.too_many_poses
-    )
-    if isinstance(scene, Scene) and any(too_long(scene, one) for one in finer):
+    if isinstance(scene, Scene) and any(discretize.too_many_poses(scene, one) for one in finer):
         return np.full_like(values, np.nan)
     once, twice = (_evaluated(feet, scene, one, names, space, threads).values for one in finer)
     return SAFE * (np.abs(values - twice) + np.abs(once - twice))
