@@ -20,6 +20,7 @@ PEAK_MARGIN = 0.1  # below the largest autocorrelation; the first lag that has a
 MAX_GAP = 5.0  # deg that thigh and knee may differ by at the ends of a stride
 MAX_DEVIATION = 6.0  # deg rms that a stride may differ by from the mean of all
 MAX_STRIKE_PHASE = 0.1  # of a stride; a heel strike that is farther inside is where it ought to begin
+LEAST_LOOP = -0.15  # of the ranges of thigh and knee, what their loop encloses; in walks it is 0.3 to 0.75
 ANGLES = ("thigh", "knee")
 #: The range of a walker's joints, deg; a table in other units or with other columns leaves it.
 ANGLE_RANGES = {"thigh": (-90.0, 120.0), "knee": (-12.0, 170.0), "foot": (-120.0, 120.0)}
@@ -133,7 +134,7 @@ def _bounds(t: Array, angles: dict[str, Array], period: float) -> Array:
 
 
 def _check(strides: Strides, bounds: Array) -> None:
-    """Raise `Unusable` unless the mean stride closes, and all are like it."""
+    """Raise `Unusable` unless the mean stride closes, all are like it, and go forwards."""
     for joint in ANGLES:
         curves = strides.curves[joint]
         gap = float(abs(np.mean(curves[:, -1] - curves[:, 0])))
@@ -153,6 +154,13 @@ def _check(strides: Strides, bounds: Array) -> None:
     if not least <= period <= largest:
         raise Unusable(
             f"a stride of {period:.4g} s is no walk, which takes {least:g} to {largest:g} s: is it in s?"
+        )
+    thigh, knee = (strides.mean()[joint] for joint in ANGLES)
+    loop = 0.5 * np.sum(thigh[1:] * knee[:-1] - thigh[:-1] * knee[1:])
+    if loop < LEAST_LOOP * np.ptp(thigh) * np.ptp(knee):
+        raise Unusable(
+            "the knee bends while the thigh goes back, as in a walk backwards. Is the sign of thigh or hip "
+            "right (the knee ahead of the hip is +)?"
         )
 
 

@@ -85,6 +85,12 @@ class TestStrides:
         with pytest.raises(FileError, match=r"differs from the mean .* knee: no steady walk.*gait\.window"):
             fo.fit_gait(t, *angles.values())
 
+    def test_a_walk_backwards_is_refused(self):
+        """As with a wrong sign of the hip: such angles would walk."""
+        t = np.arange(0.0, 6.0, 0.01)
+        with pytest.raises(FileError, match="walk backwards"):
+            fo.fit_gait(t, *degrees(HUMAN, -t / HUMAN.period).values())
+
 
 class TestOpenSim:
     @pytest.mark.parametrize("knee_sign", [1.0, -1.0])
