@@ -20,12 +20,10 @@ import pytest
 from hydra import compose, initialize_config_dir
 from hydra.core.global_hydra import GlobalHydra
 from omegaconf import OmegaConf
-from unrendered.sitecustomize import INSTEAD
 
 from footopt.cli import main as cli
 from footopt.cli.compose import CONF
 
-UNRENDERED = Path(__file__).parent / "unrendered"
 LIMIT = 300  # s, for a process
 
 
@@ -81,30 +79,30 @@ def footopt(*arguments, cwd, drawn=False):
 
 def unrender(monkeypatch):
     """No figure is rendered for the rest of a test."""
-    for method, function in INSTEAD.items():
-        monkeypatch.setattr(matplotlib.figure.Figure, method, function)
+    figure = matplotlib.figure.Figure
+    monkeypatch.setattr(figure, "savefig", lambda figure, file, **_: file.write(b""))
+    for method in ("draw_without_rendering", "get_layout_engine"):
+        monkeypatch.setattr(figure, method, lambda figure: None)
 
 
-def environment(drawn=False, **more):
+def environment(**more):
     """The variables of a process that footopt runs in, with its own workers and jobs; None removes one."""
-    path = [*([] if drawn else [str(UNRENDERED)]), *filter(None, [os.environ.get("PYTHONPATH")])]
-    own = {"HYDRA_FULL_ERROR": "0", "PYTHONPATH": os.pathsep.join(path) or None, **more}
-    return {name: value for name, value in (os.environ | own).items() if value is not None}
+    return {n: v for n, v in (os.environ | {"HYDRA_FULL_ERROR": "0"} | more).items() if v is not None}
 
 
-def program(*arguments, cwd, drawn=False, **more):
+def program(*arguments, cwd, **more):
     """footopt in a process of its own, where warnings are errors: what became of it."""
     return subprocess.run(
         [sys.executable, "-m", "footopt", *arguments],
         cwd=cwd,
-        env=environment(drawn, PYTHONWARNINGS="error", **more),
+        env=environment(PYTHONWARNINGS="error", **more),
         capture_output=True,
         text=True,
         timeout=LIMIT,
     )
 
 
-def started(*arguments, cwd, drawn=False, **options):
+def started(*arguments, cwd, **options):
     """footopt in the background; if it is told to abort it writes where it is."""
     return subprocess.Popen(
         [sys.executable, "-m", "footopt", *arguments],
@@ -112,7 +110,7 @@ def started(*arguments, cwd, drawn=False, **options):
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-        env=environment(drawn, PYTHONFAULTHANDLER="1"),
+        env=environment(PYTHONFAULTHANDLER="1"),
         **options,
     )
 
