@@ -1,4 +1,4 @@
-"""A foot as files to make it from: its sole (CSV), its outline (DXF, SVG), its body (STL), in mm.
+"""A foot as files to make it from: its sole (CSV), its outline (DXF, SVG), its body (STL, STEP), in mm.
 
 x is forward and z up; across the foot's width y runs from -width/2 to width/2. A contour is a dense polyline
 here as it is in a walk: no spline is fitted to it, which would change the body's volume.
@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.errors import check
+from footopt.errors import MissingError, check, needed
 from footopt.files.io import write_bytes, write_csv, write_text, write_whole
 from footopt.files.outline import MM, body_outline
 from footopt.foot import Foot
@@ -20,7 +20,7 @@ from footopt.foot import Foot
 Array = NDArray[np.float64]
 
 SOLE, OUTLINE = "SOLE", "OUTLINE"  # layers of the DXF file, groups of the SVG file
-FORMATS = ("csv", "dxf", "svg", "stl")
+FORMATS = ("csv", "dxf", "svg", "stl", "step")
 
 
 def write_foot(foot: Foot, path: str | Path, block: Sequence[float] | None = None) -> Path:
@@ -31,7 +31,7 @@ def write_foot(foot: Foot, path: str | Path, block: Sequence[float] | None = Non
     foot : Foot
         The foot to write.
     path : str or Path
-        Ends in .csv (the sole alone), .dxf or .svg (its outline, too), or .stl (the body).
+        Ends in .csv (the sole alone), .dxf or .svg (its outline, too), .stl or .step (the body).
     block : (2,), m, optional
         Length and height of a mounting block (see `footopt.files.outline.body_outline`).
 
@@ -46,6 +46,8 @@ def write_foot(foot: Foot, path: str | Path, block: Sequence[float] | None = Non
         The file cannot be written.
     SettingError
         The ending is another, or see `body_outline`.
+    MissingError
+        STEP needs OpenCASCADE: ``pip install "footopt[cad]"``.
     """
     path = Path(path)
     ending, sole, width = path.suffix.lower()[1:], MM * foot.contour, MM * foot.width
@@ -55,16 +57,27 @@ def write_foot(foot: Foot, path: str | Path, block: Sequence[float] | None = Non
         write_csv(path, {"x_mm": x, "z_mm": z})
         return path
     outline = MM * body_outline(foot, block)
-    if ending == "stl":
-        _write_stl(path, outline, width)
-    else:
+    if ending in ("dxf", "svg"):
         (_write_dxf if ending == "dxf" else _write_svg)(path, sole, outline)
+    else:
+        (_write_stl if ending == "stl" else _write_step)(path, outline, width)
     return path
 
 
-def write_all(foot: Foot, folder: Path, block: Sequence[float] | None = None) -> list[Path]:
-    """Write contour.csv, .dxf, .svg and .stl to a folder (see `write_foot`), and return the files."""
-    return [write_foot(foot, folder / f"contour.{ending}", block) for ending in FORMATS]
+def write_all(foot: Foot, folder: Path, block: Sequence[float] | None = None) -> tuple[list[Path], list[str]]:
+    """Write contour.csv, .dxf, .svg, .stl and .step to a folder (see `write_foot`).
+
+    Returns the files, and notes on those that are left out because a library is missing.
+    """
+    written, notes = [], []
+    for ending in FORMATS:
+        path = folder / f"contour.{ending}"
+        try:
+            written.append(write_foot(foot, path, block))
+        except MissingError as error:
+            path.unlink(missing_ok=True)  # of the same run, before
+            notes.append(f"There is no {path.name}: {error}")
+    return written, notes
 
 
 def _write_dxf(path: Path, sole: Array, outline: Array) -> None:
@@ -127,3 +140,31 @@ def _write_stl(path: Path, outline: Array, width: float) -> None:
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     body["normal"], body["corners"] = normal / np.linalg.norm(normal, axis=1, keepdims=True), triangles
     write_bytes(path, bytes(80) + len(body).to_bytes(4, "little") + body.tobytes())
+
+
+def _write_step(path: Path, outline: Array, width: float) -> None:
+    """Write the body of an outline (p, 2), mm, as STEP (ISO 10303-21, AP214), a solid of plane faces."""
+    needed("OCP", "STEP", "cad")
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakePolygon
+    from OCP.BRepPrimAPI import BRepPrimAPI_MakePrism
+    from OCP.gp import gp_Pnt, gp_Vec
+    from OCP.IFSelect import IFSelect_ReturnStatus
+    from OCP.Interface import Interface_Static
+    from OCP.Message import Message, Message_Gravity
+    from OCP.STEPControl import STEPControl_StepModelType, STEPControl_Writer
+
+    for printer in Message.DefaultMessenger_s().Printers():  # it tells its progress on the terminal
+        printer.SetTraceLevel(Message_Gravity.Message_Fail)
+    wire = BRepBuilderAPI_MakePolygon()
+    for x, z in outline:
+        wire.Add(gp_Pnt(x, -width / 2, z))
+    wire.Close()
+    face = BRepBuilderAPI_MakeFace(wire.Wire(), OnlyPlane=True).Face()
+    body = BRepPrimAPI_MakePrism(face, gp_Vec(0.0, width, 0.0)).Shape()
+    writer = STEPControl_Writer()
+    Interface_Static.SetCVal_s("write.step.product.name", "foot")
+    Interface_Static.SetIVal_s("write.surfacecurve.mode", 0)  # edges in space alone: a third of the size
+    writer.Transfer(body, STEPControl_StepModelType.STEPControl_AsIs)
+    with write_whole(path) as new:
+        if writer.Write(str(new)) != IFSelect_ReturnStatus.IFSelect_RetDone:
+            raise OSError(0, "OpenCASCADE failed")

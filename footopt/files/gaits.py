@@ -117,7 +117,12 @@ def read_strides(
         ordered = len(window) == 2 and window[0] < window[1]
         check(ordered, "gait.window", list(window), "two times in s, the second one after the first, or null")
     with naming(path, "gait.path"):
-        allowed = "a file of joint angles that ends in .csv, .mot or .sto"
+        if suffix in (".trc", ".c3d"):
+            raise Unusable(
+                "holds markers, and footopt reads joint angles (CSV, MOT, STO): inverse kinematics such as "
+                "OpenSim's gives them."
+            )
+        allowed = "a file that ends in .csv, .mot or .sto"
         check(suffix in (".csv", ".mot", ".sto"), "gait.path", str(path), allowed)
         text = io.read_text(path, "gait.path")
         table = io.parse_table(text if suffix == ".csv" else text.partition("endheader")[2])

@@ -18,7 +18,10 @@ from footopt.errors import ERROR_FILE, FileError
 from footopt.files.io import read_json_file, read_text, write_text
 
 FILE, LOCK = "footopt.yaml", "footopt.lock"
-HEAD = "# This run's settings, resolved. `footopt resume=FOLDER` goes on with them.\n"
+HEAD = """\
+# This run's settings, resolved. `footopt resume=FOLDER` goes on with them.
+# Other settings are a run of their own.
+"""
 DISTRIBUTIONS = (
     "footopt", "numpy", "scipy", "numba", "llvmlite", "pymoo", "moocore", "hydra-core", "matplotlib",
 )  # fmt: skip
@@ -93,7 +96,10 @@ def read(folder: Path, setting: str = "resume") -> Identity:
 def result_of(folder: Path) -> Mapping[str, Any] | None:
     """The result.json of the run in a folder; None if there is none."""
     path = folder / "result.json"
-    return read_json_file(path, "resume") if path.exists() else None
+    found = read_json_file(path, "resume") if path.exists() else None
+    if found is not None and not (isinstance(found, dict) and "settings" in found):
+        raise FileError(f"{path}: is not the result of a run. Move it away.")
+    return found
 
 
 def finished(result: Mapping[str, Any] | None) -> bool:

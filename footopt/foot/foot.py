@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -41,6 +41,8 @@ class Foot:
         Whether the sides and the top feel the sand too, or only the sole.
     top : float, m
         z_p of the flat top.
+    notes : tuple of str
+        Parts of its file that were left out.
 
     Raises
     ------
@@ -56,6 +58,7 @@ class Foot:
     space: Waypoints | None = None
     closed: bool = False
     top: float = 0.0
+    notes: tuple[str, ...] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
         contour = np.ascontiguousarray(self.contour, float)

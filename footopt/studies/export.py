@@ -22,6 +22,7 @@ HOLDS = {
     ".dxf": "outline and sole",
     ".svg": "outline and sole, full size",
     ".stl": "body of triangles",
+    ".step": "body of plane faces",
 }
 
 
@@ -32,7 +33,7 @@ def run(study: Study) -> None:
         advice = "Try footopt study=export run=outputs/optimize/..."
         raise SettingError("run", None, "the folder of a run", advice)
     foot, block = foot_of(Path(folder), config.foot.k), config.foot.block
-    written = write_all(foot, study.folder, block)
+    written, notes = write_all(foot, study.folder, block)
     outline, width = MM * body_outline(foot, block), MM * foot.width
     area = float(Polygon(outline).area)
     caption = "The outline of every file, with its sole (blue) and ankle (+), in mm."
@@ -47,9 +48,11 @@ def run(study: Study) -> None:
             "volume_mm3": area * width,
             "size_mm": [*np.ptp(outline, axis=0).tolist(), width],
             "files": {path.name: {"bytes": path.stat().st_size} for path in written},
+            "notes": notes,
         },
         summary=[
             f"{terminal.describe_foot(foot)}: {area:.0f} mm^2, {width:g} mm wide, {area * width:.0f} mm^3",
+            *notes,
         ],
     )
 

@@ -71,7 +71,7 @@ def run(study: Study) -> Any:
         files.write_csv(study.folder / "designs.csv", result.columns)
     if study.wants_figures:
         _draw(study, result, confirmed.designs[:LEADERS], base)
-    write_walk(study, walk, {"best": walk, "flat": flat})
+    notes = write_walk(study, walk, {"best": walk, "flat": flat})
     record = study.write_result(
         {
             "design": foot_entry(best),
@@ -80,6 +80,7 @@ def run(study: Study) -> Any:
             "gain_shares": gain_shares(values, base),
             **_search_entry(result, confirmed, options.finalists),
             "certificate": certificate and {"says": str(certificate), **dataclasses.asdict(certificate)},
+            "notes": notes,
         }
     )
     if study.wants_report:

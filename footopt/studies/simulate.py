@@ -45,14 +45,14 @@ def run(study: Study) -> Any:
         from footopt.report.figures.gait import gait_fit
 
         study.save("gait", gait_fit(strides, walk.world.gait))
-    write_walk(study, walk, {title(foot.name): walk})
+    notes = [*foot.notes, *write_walk(study, walk, {title(foot.name): walk}), *_undefined(walk, values)]
     record = study.write_result(
         {
             "design": foot_entry(foot),
             "feasible": walk.feasible,
             "reason": walk.reason,
             **entry,
-            "notes": _undefined(walk, values),
+            "notes": notes,
             "gait_file": read,
         }
     )
@@ -112,13 +112,16 @@ def judged(
     return entry, diagnostics
 
 
-def write_walk(study: Study, walk: Walk, walks: Mapping[str, Walk]) -> None:
-    """Leave a walk's traces, its foot for the workshop, and figures of `walks` by name, if wanted."""
+def write_walk(study: Study, walk: Walk, walks: Mapping[str, Walk]) -> list[str]:
+    """Leave a walk's traces, its foot for the workshop, and figures of `walks` by name, if wanted.
+
+    Returns what is to be said of the files for the workshop.
+    """
     if not study.wants_report:
         write_foot(walk.foot, study.folder / "contour.csv")
-        return
+        return []
     files.write_walk(study.folder / "walk.nc", walk.variables, {"reason": walk.reason})
-    write_all(walk.foot, study.folder, study.config.foot.block)
+    _, notes = write_all(walk.foot, study.folder, study.config.foot.block)
     if study.wants_figures:
         from footopt.report import figures  # matplotlib takes a second
 
@@ -128,6 +131,7 @@ def write_walk(study: Study, walk: Walk, walks: Mapping[str, Walk]) -> None:
         study.save("contour", figures.contour(walk.foot))
         if stance(walk) is not None:  # a walker that stands takes no step
             study.save("step", figures.step(walk))
+    return notes
 
 
 def check_film(study: Study) -> None:

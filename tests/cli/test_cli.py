@@ -2,6 +2,7 @@
 
 import csv
 import json
+from importlib.util import find_spec
 
 import pytest
 from running import QUICK, footopt, only_folder
@@ -11,6 +12,8 @@ import footopt as fo
 from footopt.errors import SettingError
 from footopt.studies.runs import foot_of
 from footopt.walk import PRESETS, STEPPERS
+
+STEP = ["step"] if find_spec("OCP") else []  # needs footopt[cad]
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +31,7 @@ class TestOptimize:
         figures = ("contour", "convergence", "com", "forces", "power_work", "step")
         assert files >= {
             *("footopt.yaml", "result.json", "designs.csv", "walk.nc", "report.html"),
-            *(f"contour.{end}" for end in ("csv", "dxf", "svg", "stl")),
+            *(f"contour.{end}" for end in ("csv", "dxf", "svg", "stl", *STEP)),
             *(f"figures/{name}.png" for name in figures),
         }
         assert folder.parts[-3:-1] == ("outputs", "optimize")

@@ -56,7 +56,7 @@ SVG = {
         'version="1.1" id="Ebene_1" x="0px" y="0px" width="841.89pt" height="595.28pt" '
         'viewBox="0 0 841.89 595.28" style="enable-background:new 0 0 841.89 595.28;" xml:space="preserve"',
         '<style type="text/css">.st0{fill:none;stroke:#1D1D1B;stroke-miterlimit:10;}</style>'
-        f'<g id="Ebene_2">{scaled(72 / 25.4, "translate(400 300)")}</g>',
+        f'<g id="Ebene_2">{scaled(72 / 25.4, "translate(400 300)")}<circle cx="400" cy="310" r="9"/></g>',
         '<?xml version="1.0" encoding="utf-8"?><!-- Generator: Adobe Illustrator 24.0 -->'
         '<!DOCTYPE svg PUBLIC "-//W3C//DTD SVG 1.1//EN" "http://www.w3.org/Graphics/SVG/1.1/DTD/svg11.dtd">',
     ),
@@ -103,6 +103,7 @@ def pieces(space, size=1.0, **attributes):
 def autocad():
     made, space = document("R2018")
     space.add_lwpolyline(BULGES, "xyb", close=True)
+    space.add_circle((-60, -5), 4)
     space.add_text("SOLE 42")
     space.add_linear_dim((0, 60), (-120, 10), (90, 10)).render()
     made.layout().add_line((0, 0), (210, 297))

@@ -212,6 +212,18 @@ class TestDxf:
         path = dxf(lambda space: [space.add_line(*ends[i]) for i in order], units=6)
         same(read(path), [(-0.1, 0), (0, -0.02), (0.05, -0.02), (0.1, 0.01)])
 
+    def test_holes_are_left_out_and_listed(self, dxf):
+        def draw(space):
+            space.add_circle((20, 0), 4)
+            space.add_lwpolyline([(-100, -20), (100, -20), (100, 20), (-100, 20)], close=True)
+            space.add_circle((-60, 0), 6)
+
+        foot = fo.read_foot(dxf(draw))
+        same(foot.contour, [(-0.1, -0.02), (0.1, -0.02)])
+        (note,) = foot.notes
+        assert "not its holes: a closed outline of 11.9" in note
+        assert note.count("a closed outline of") == 3
+
 
 class TestCsv:
     def test_no_header_needs_units(self, table):

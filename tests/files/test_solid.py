@@ -12,6 +12,7 @@ from footopt.files.outline import body_outline
 from footopt.foot import SHAPES
 
 BLOCKS = st.sampled_from([None, (0.06, 0.02), (0.26, 0.01)])
+HOLLOW = fo.Foot.from_waypoints([5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4], width=0.08)
 
 
 def expected(foot, block=None):
@@ -51,3 +52,37 @@ def test_every_shape_makes_a_body_across_its_width(name, tmp_path):
     np.testing.assert_allclose(body.bounds[0], [left, -30.0, low], atol=1e-4)
     np.testing.assert_allclose(body.bounds[1][:2], [right, 30.0], atol=1e-4)
     assert body.bounds[1][2] >= high - 1e-4
+
+
+@pytest.mark.parametrize("foot", [HOLLOW, fo.Foot.shape("reversed_l")], ids=lambda f: f.name)
+def test_a_cad_kernel_reads_one_valid_solid(tmp_path, capfd, foot):
+    pytest.importorskip("OCP", reason='pip install "footopt[cad]"')
+    from OCP.Bnd import Bnd_Box
+    from OCP.BRepBndLib import BRepBndLib
+    from OCP.BRepCheck import BRepCheck_Analyzer
+    from OCP.BRepGProp import BRepGProp
+    from OCP.GProp import GProp_GProps
+    from OCP.IFSelect import IFSelect_ReturnStatus
+    from OCP.STEPControl import STEPControl_Reader
+    from OCP.TopAbs import TopAbs_ShapeEnum
+
+    block = (0.05, 0.02)
+    path = fo.write_foot(foot, tmp_path / "Müller's foot.step", block)
+    assert capfd.readouterr() == ("", "")
+    reader = STEPControl_Reader()
+    assert reader.ReadFile(str(path)) == IFSelect_ReturnStatus.IFSelect_RetDone
+    assert reader.TransferRoots() == 1
+    shape = reader.OneShape()
+    assert shape.ShapeType() == TopAbs_ShapeEnum.TopAbs_SOLID
+    assert BRepCheck_Analyzer(shape).IsValid()
+    volume, surface = expected(foot, block)
+    measured, box = GProp_GProps(), Bnd_Box()
+    BRepGProp.VolumeProperties_s(shape, measured)
+    assert measured.Mass() == pytest.approx(volume, rel=1e-9)
+    BRepGProp.SurfaceProperties_s(shape, measured)
+    assert measured.Mass() == pytest.approx(surface, rel=1e-9)
+    BRepBndLib.AddOptimal_s(shape, box, True, False)
+    (left, low), (right, high) = (f(1e3 * body_outline(foot, block), axis=0) for f in (np.min, np.max))
+    half = 500.0 * foot.width
+    corners = [[at.X(), at.Y(), at.Z()] for at in (box.CornerMin(), box.CornerMax())]
+    np.testing.assert_allclose(corners, [[left, -half, low], [right, half, high]], atol=1e-5)

@@ -21,7 +21,9 @@ from footopt.files.soles.lines import JOIN_DISTANCE, UNITS, Array, Line, crossin
 from footopt.foot import Foot
 
 READERS = {".dxf": dxf.read, ".svg": svg.read, ".csv": table.read}
+MAX_COORDINATE = 1e6  # m; no drawing has a point farther from its origin
 LENGTH_RANGE = (5e-3, 0.6)  # of a sole, m; anything else is a mistake in the units, as cm for inches
+MAX_HOLE = 0.5  # of an outline's length; a larger line inside it may be the sole itself
 LISTED = 5  # of a drawing's lines, in a message
 
 
@@ -57,7 +59,7 @@ def read_foot(
     Returns
     -------
     foot : Foot
-        Named as the file.
+        Its notes list the lines of the file that were left out.
 
     Raises
     ------
@@ -73,7 +75,7 @@ def read_foot(
     path = Path(path)
     check(path.suffix.lower() in READERS, "foot.path", str(path), f"a file that ends in {', '.join(READERS)}")
     with naming(path, "foot.path"):
-        line = the_line(lines_of(path, units, scale), layer)
+        line, notes = the_line(lines_of(path, units, scale), layer)
         points = line.points * ([-1.0, 1.0] if toe == "left" else 1.0)
         check_size(points, origin)
         place = crossing(points, line.closed)
@@ -82,13 +84,13 @@ def read_foot(
         if origin == "centre":
             points = points - 0.5 * (points.min(axis=0) + points.max(axis=0))
         sole = lower_edge(points) if line.closed else _from_heel(points)
-    return Foot(sole, name=path.stem, **parameters)
+    return Foot(sole, name=path.stem, notes=tuple(f"{path.name}: {note}" for note in notes), **parameters)
 
 
 def lines_of(path: Path, units: str | None = None, scale: float = 1.0) -> list[Line]:
     """All lines of a file, by its ending, scaled; raises `Unusable` where it cannot be read."""
     try:
-        return [line for line in READERS[path.suffix.lower()](path, units, scale) if len(line.points) > 1]
+        lines = [line for line in READERS[path.suffix.lower()](path, units, scale) if len(line.points) > 1]
     except (Unusable, FileError):
         raise
     except Exception as error:  # libraries raise all kinds; their messages help nobody
@@ -96,10 +98,16 @@ def lines_of(path: Path, units: str | None = None, scale: float = 1.0) -> list[L
             f"cannot be read as {path.suffix[1:].upper()}: it is damaged, or something else. Open it in the "
             "program that made it, and save it again."
         ) from error
+    if not all((abs(line.points) < MAX_COORDINATE).all() for line in lines):
+        raise Unusable("a line has a point that is not a finite number, or far away.")
+    return lines
 
 
-def the_line(lines: Sequence[Line], layer: str | None = None) -> Line:
-    """The one line of a drawing or of a layer, its pieces joined; raises `Unusable` if there is none."""
+def the_line(lines: Sequence[Line], layer: str | None = None) -> tuple[Line, tuple[str, ...]]:
+    """The one line of a drawing, its pieces joined, or the outline that has all others for holes; and notes.
+
+    Raises `Unusable` if there is no such line.
+    """
     layers = sorted({line.layer for line in lines})
     if layer is None and SOLE in layers:
         layer = SOLE
@@ -108,13 +116,26 @@ def the_line(lines: Sequence[Line], layer: str | None = None) -> Line:
     found = join([line for line in lines if layer in (None, line.layer)])
     if not found:
         raise Unusable("holds no line, arc, spline or polyline.")
-    if len(found) == 1:
-        return found[0]
     told = [*map(_described, found[:LISTED]), *["..."][: len(found) > LISTED]]
+    if len(found) == 1:
+        return found[0], ()
+    if _has_holes(*found):
+        return found[0], (f"the outer line is read, {told[0]}; not its holes: {'; '.join(told[1:])}",)
     choose = f"Choose one with foot.layer (there are {held}), or delete" if len(layers) > 1 else "Delete"
     raise Unusable(
         f"must hold one line that is the sole, or one closed outline; it holds {len(found)}: "
         f"{'; '.join(told)}. {choose} the others, or close gaps above {MM * JOIN_DISTANCE:g} mm."
+    )
+
+
+def _has_holes(outer: Line, *others: Line) -> bool:
+    """Whether a closed line holds all others, closed and much smaller: a frame round a sole is no outline."""
+    from shapely import Polygon
+
+    body, length = Polygon(outer.points) if outer.closed else Polygon(), MAX_HOLE * np.ptp(outer.points[:, 0])
+    return body.is_valid and all(
+        o.closed and np.ptp(o.points, axis=0).max() < length and body.contains(Polygon(o.points))
+        for o in others
     )
 
 
