@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 import footopt as fo
+from footopt.report import terminal
 from footopt.studies import ranks
-from footopt.walk import PRESETS
+from footopt.walk import OBJECTIVES, PRESETS
 from footopt.walk.ladder import numerics
 
 SPACE = fo.Waypoints()
@@ -45,3 +46,27 @@ def test_places_losses_and_turns_are_those_of_the_walks(found):
                 values.values[0, column] - values.values[-1, column]
             )
             assert (name in rank.turned) == turns
+
+
+def test_a_turned_rank_is_marked_in_the_table_and_its_laws_are_named():
+    turned = ranks.turned_by([ranks.RankChange("shadowing", 3, 0.05, ("work",), {}),
+                              ranks.RankChange("both", 1, 0.0, ("work",), {})])  # fmt: skip
+    assert turned == {"work": ["shadowing", "both"]}
+    values = dict.fromkeys(OBJECTIVES, 1.0)
+    shown = terminal.objective_table("best", values, dict.fromkeys(OBJECTIVES, 0.0), values, turned=turned)
+    cells = dict(zip(shown.columns[0].cells, shown.columns[5].cells, strict=True))
+    assert {name for name, cell in cells.items() if cell.endswith("*")} == {"work (min)"}
+    assert "work: shadowing, both" in shown.caption
+
+
+def test_a_change_is_told_with_its_range_under_other_laws_and_whether_its_sign_is_certain():
+    flat = dict.fromkeys(OBJECTIVES, 100.0) | {"efficiency": -1.0}
+    values = flat | {"efficiency": -2.0, "work": 110.0}
+    under = {name: [0.0, 0.0] for name in values} | {"efficiency": [0.5, 0.75], "work": [-0.02, 0.3, np.nan]}
+    assert terminal.headline("efficiency", -2.0, -1.0, under).startswith("J_W x 2.00")
+    assert "x 1.50 to 1.75 under 2 other laws" in terminal.headline("efficiency", -2.0, -1.0, under)
+    shown = terminal.gains_table(values, flat, under, "efficiency")
+    rows = [*zip(*(column.cells for column in shown.columns), strict=True)]
+    assert ("-2 to +30 %", "sign not certain") in [row[-2:] for row in rows]
+    assert "efficiency" not in [row[0] for row in rows]
+    assert terminal.doubtful(0.1, [0.2, 0.01]) == ""
