@@ -35,7 +35,6 @@ from footopt.walk.objectives import lookup
 
 STOPPED = 130  # exit code after Ctrl-C, as of any program that a shell stops
 
-log = logging.getLogger("footopt")
 _wants_traceback = os.environ.get("HYDRA_FULL_ERROR") == "1"
 
 
@@ -83,7 +82,7 @@ def _job(settings: DictConfig) -> Any:
         if alone:
             remove_empty_run(folder, task_overrides(here, "hydra"))
             sys.exit(f"footopt: error: {message}")
-        log.error("job %s failed: %s", here.job.num, message)  # the other jobs go on
+        logging.getLogger("footopt").error("job %s failed: %s", here.job.num, message)  # the other jobs go on
         if not isinstance(error, Occupied):  # the folder is another's then
             write_text(folder / ERROR_FILE, f"{message}\n")
         found = dict[str, float]()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from difflib import get_close_matches
 
 from hydra.errors import HydraException
@@ -11,7 +11,7 @@ from yaml import YAMLError
 
 from footopt.cli.compose import groups
 from footopt.errors import FootoptError, SettingError
-from footopt.studies.meanings import known, studies_that_read
+from footopt.studies.meanings import known, not_read, studies_that_read
 
 MORE = "`footopt --help` lists all settings."
 
@@ -30,9 +30,7 @@ def explain(error: BaseException, overrides: Sequence[str] = ()) -> str:
     if (translated := translate(error, overrides)) is not None:
         return str(translated)
     if isinstance(error, (OSError, MemoryError)):
-        text = getattr(error, "strerror", None) or str(error) or type(error).__name__
-        name = getattr(error, "filename", None)
-        return f"{text}: {name}" if name else text
+        return str(error) or type(error).__name__
     if type(error).__module__.partition(".")[0] in ("submitit", "joblib"):
         hint = "footopt resume=FOLDER, with that of the multirun, finishes the jobs without a result."
         return f"a job was lost ({error}). Others may still run. {hint}"
@@ -84,28 +82,22 @@ def translate(error: BaseException, overrides: Sequence[str]) -> FootoptError | 
     return None
 
 
-def _meant(given: str, names: Iterable[str]) -> str:
-    """The name that was probably meant, or ""."""
-    return next(iter(get_close_matches(given, names, n=1)), "")
-
-
 def _syntax(name: str, equals: str, value: str) -> str:
     """Why an override is no setting, and what to try."""
     if name and equals:
         return f"the value cannot be read. Lists have no spaces; others need quotes: {name}=\"'{value}'\""
     owners = {choice: group for group, choices in groups().items() for choice in choices}
-    close = _meant(name, owners)
-    hint = f"Try {owners[close]}={close}" if close else f"Such as sand=soft; {MORE}"
+    close = get_close_matches(name, owners, n=1)
+    hint = f"Try {owners[close[0]]}={close[0]}" if close else f"Such as sand=soft; {MORE}"
     return f"settings are given as name=value. {hint}"
 
 
 def _unknown(name: str, value: str, study: str) -> FootoptError:
     """A setting that there is not, or not for this study."""
     names = known()
-    if name in names and (readers := studies_that_read(name)):
-        why = f"left out: study={study} does not read it"
-        return SettingError(name, value, why, f"It is read by study={readers}.")
+    if name in names and studies_that_read(name):
+        return not_read(name, value, study)
     same = [other for other in names if other.endswith(f".{name.rpartition('.')[2]}")]
-    close = next(iter(same), "") or _meant(name, [*groups(), *names])
-    hint = f"Did you mean {close}={value}?" if close else MORE
+    close = [*same, *get_close_matches(name, [*groups(), *names], n=1)]
+    hint = f"Did you mean {close[0]}={value}?" if close else MORE
     return FootoptError(f"{name}: there is no such setting. {hint}")

@@ -25,6 +25,7 @@ from footopt.files.identity import Occupied, finished, result_of
 from footopt.files.io import write_text
 from footopt.studies import searches
 from footopt.studies.build import absolute
+from footopt.studies.meanings import within
 from footopt.studies.runs import BUDGETS, Run, check_may_change, check_resumable, load, run_study
 from footopt.studies.settings import EngineConfig, structured
 
@@ -169,7 +170,6 @@ def _resume_run(folder: Path, changes: Mapping[str, Any], given: Sequence[str]) 
         OmegaConf.update(settings, name, value, merge=False)
     plain: Any = OmegaConf.to_container(settings, resolve=True)
     check_resumable(folder, run.settings, plain)
-    groups = tuple(f"{name}." for name in changes)
-    kept = [one for one in run.overrides if not f"{one.partition('=')[0]}.".startswith(groups)]
+    kept = [one for one in run.overrides if not within(one.partition("=")[0], changes)]
     overrides = [one for one in given if "=" in one and not one.startswith("resume=")]
     execute(plain, folder, [*kept, *overrides], resumed=True)

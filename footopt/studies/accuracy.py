@@ -58,7 +58,7 @@ def run(study: Study) -> None:
     """Measure all settings and presets, and draw them."""
     count, scene, space = study.options.feet, study.scene, study.space
     check(1 <= count <= 10_000, "study.feet", count, "a whole number, 1 to 10,000")
-    feet = space.random(count, seed=study.seed, inside=True)
+    feet = space.random(count, seed=study.config.solver.seed, inside=True)
     with study.compiling("every stepper"):
         for stepper in STEPPERS:
             evaluate(feet[:1], scene, Accuracy(stepper), space=space, threads=1)
@@ -71,7 +71,7 @@ def run(study: Study) -> None:
     study.say(about)
     measured = []
     with study.progress(len(settings) + 1, "setting") as step:
-        truth = evaluate(feet, scene, CONVERGED, MEASURED, space, study.threads).values
+        truth = evaluate(feet, scene, CONVERGED, MEASURED, space, study.config.engine.threads).values
         step(news="the converged walks")
         for method, accuracy in settings:
             measured.append(measure(method, accuracy, feet, scene, space, truth))
@@ -83,7 +83,7 @@ def run(study: Study) -> None:
         "The cost of accuracy",
         [],
         {
-            "seed": study.seed,
+            "seed": study.config.solver.seed,
             "feet": feet.tolist(),
             **scene_entry(scene, numerics(CONVERGED, scene, space), MEASURED),
             "presets": [m.row for m in presets],

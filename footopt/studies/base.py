@@ -59,16 +59,6 @@ class Study:
         return self.config.study
 
     @property
-    def seed(self) -> int:
-        """Seed of everything that is drawn at random."""
-        return self.config.solver.seed
-
-    @property
-    def threads(self) -> int | None:
-        """Threads of this process; None: all."""
-        return self.config.engine.threads
-
-    @property
     def wants_figures(self) -> bool:
         """Whether figures are wanted."""
         return self.config.report in ("full", "print")

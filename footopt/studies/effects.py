@@ -91,7 +91,7 @@ def run(study: Study) -> None:
     count = study.options.feet
     check(2 <= count <= 10_000, "study.feet", count, "2, to rank them, to 10,000")
     scene, space, accuracy, limit = study.scene, study.space, study.accuracy, tolerance(study.config)
-    feet = space.random(count, seed=study.seed, inside=True)
+    feet = space.random(count, seed=study.config.solver.seed, inside=True)
     effects, found = every_effect(scene), list[Audit]()
     with study.compiling("a walk for each effect, minutes in all"):
         for effect in effects:
@@ -105,7 +105,7 @@ def run(study: Study) -> None:
         "The changes by each effect",
         [table(found)],
         {
-            "seed": study.seed,
+            "seed": study.config.solver.seed,
             "feet": feet.tolist(),
             **scene_entry(scene, numerics(accuracy, scene, space), ()),
             "audit": [a.entry | {"accuracy": own} for a, own in zip(found, walked, strict=True)],
@@ -225,7 +225,7 @@ def choose_effects(study: Study, foot: Foot | None = None) -> tuple[Scene | Simu
     if not config.effects.auto:
         return study.simulator, {"effects_audit": []}
     scene = make_scene(replace(config, effects=replace(config.effects, auto=False)))
-    feet: Any = [foot] if foot else space.random(RANDOM_FEET, seed=study.seed, inside=True)
+    feet: Any = [foot] if foot else space.random(RANDOM_FEET, seed=study.config.solver.seed, inside=True)
     limit, audits = tolerance(config), list[Audit]()
     for effect in every_effect(scene):
         if effect.literature and effect not in scene.effects:

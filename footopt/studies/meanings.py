@@ -119,6 +119,13 @@ def studies_that_read(name: str) -> str:
     return ", ".join(study for study in BUILT_IN if covers(name, read_by(study)))
 
 
+def not_read(name: str, value: object, study: str) -> SettingError:
+    """The refusal of a setting that a study does not read, with the studies that do."""
+    readers = studies_that_read(name)
+    hint = f"It is read by study={readers}." if readers else ""
+    return SettingError(name, value, f"left out: study={study} does not read it", hint)
+
+
 def check_read(config: Config, overrides: Iterable[str]) -> None:
     """Refuse settings that are given and have no effect.
 
@@ -149,9 +156,7 @@ def check_read(config: Config, overrides: Iterable[str]) -> None:
         for key in name.split("."):
             value = getattr(value, key, None)
         if not covers(name, (*ALWAYS, *read_by(study))):
-            readers = studies_that_read(name)
-            hint = f"It is read by study={readers}." if readers else ""
-            raise SettingError(name, value, f"left out: study={study} does not read it", hint)
+            raise not_read(name, value, study)
         for names, where, holds in ONLY:
             if within(name, names) and not holds(config):
                 raise SettingError(name, value, "left out: it has no effect here", f"It is read by {where}.")

@@ -60,8 +60,8 @@ def run(study: Study) -> None:
     scene: Any = study.simulator
     scenarios = make_scenarios(config, scene)
     problem = RobustProblem(
-        scenarios, config.objective.names, study.space, study.accuracy, study.threads, options.measure,
-        options.tail, references=np.ones(len(scenarios)),
+        scenarios, config.objective.names, study.space, study.accuracy, config.engine.threads,
+        options.measure, options.tail, references=np.ones(len(scenarios)),
     )  # fmt: skip
     solver = Solver(**vars(config.solver)).fitting(problem.n_obj)
     solver.build(problem.n_obj)  # what does not fit is refused before anything is simulated
@@ -99,7 +99,7 @@ def run(study: Study) -> None:
     soles = {name: Foot.from_waypoints(k.tolist(), judge.space) for name, k in feet.items()}
     foot = replace(soles[ROBUST], name=ROBUST)
     _write_files(study, judge, compared, foot, result)
-    _save_figures(study, judge, compared, soles, result)
+    _save_figures(study, judge, compared, soles)
     model = model_error(simulate(foot, scene, finer), spread=make_spread(config).zeta)
     objectives, names = judge.walk(feet[ROBUST][None])[0][0], [s.name for s in scenarios]
     study.conclude(
@@ -185,10 +185,8 @@ def _write_files(
         write_foot(foot, study.folder / "contour.dxf")
 
 
-def _save_figures(
-    study: Study, judge: RobustProblem, compared: Comparison, soles: dict[str, Foot], result: SearchResult
-) -> None:
-    """The soles, the regrets and, of several objectives, the front."""
+def _save_figures(study: Study, judge: RobustProblem, compared: Comparison, soles: dict[str, Foot]) -> None:
+    """The soles and the regrets."""
     caption = "The specialists' soles and the robust one."
     study.save(
         "contours", figures.contours(soles if len(soles) <= 1 + SHOWN else {ROBUST: soles[ROBUST]}), caption

@@ -70,7 +70,7 @@ def run(study: Study) -> None:
         raise SettingError("simulator", WALKER, "a robot, to compare with the walker", "Try simulator=biped.")
     solver = Solver(**vars(config.solver)).fitting(1)
     solver.check_space(study.space)
-    k = study.space.random(options.soles, seed=study.seed, inside=True)
+    k = study.space.random(options.soles, seed=study.config.solver.seed, inside=True)
     planar, e, found = resolve("standard"), config.engine, []
     for sand in map(named, options.sands):
         sides = (
@@ -81,7 +81,7 @@ def run(study: Study) -> None:
             feet = {FLAT: Foot.flat(study.space)}
             for side in sides:
                 feet[side.name] = _designed(study, side, names[0], solver, executor)
-        found.append(_compared(sand, sides, feet, names[0], k, study.space, study.threads))
+        found.append(_compared(sand, sides, feet, names[0], k, study.space, study.config.engine.threads))
         study.say(describe(found[-1], names[0]))
     columns = [*found[0].values[ROBOT][FLAT]]
     rows = (
@@ -120,7 +120,7 @@ def named(sand: Any) -> Sand:
 
 def _designed(study: Study, side: Side, objective: str, solver: Solver, executor: Executor | None) -> Foot:
     """The best foot that a search on one side finds, its finalists walked more finely."""
-    problem = FootProblem(side.simulator, objective, study.space, side.accuracy, study.threads)
+    problem = FootProblem(side.simulator, objective, study.space, side.accuracy, study.config.engine.threads)
     asked = replace(solver, walks=side.walks)
     name = f"{problem.scene.title}, {side.name}"
     with study.progress(asked.generations(study.space), "generation") as step:
