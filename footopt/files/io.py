@@ -168,7 +168,7 @@ def write_walk(path: Path, variables: Mapping[str, Variable], attributes: Mappin
     from scipy.io import netcdf_file
 
     with write_whole(path) as new, netcdf_file(new, "w", version=2) as file:
-        order = {"foot_order": "left, right", "axis_order": "x (forward), z (up)"}
+        order = {"axis_order": "x (forward), z (up)"}
         for name, text in {"footopt": version("footopt"), **order, **attributes}.items():
             setattr(file, name, text)
         for dimensions, _, values in variables.values():

@@ -7,6 +7,7 @@ import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,7 @@ BIPED = Path(__file__).with_name("biped.xml")
 COM, VELOCITY, UPRIGHT = "footopt_com", "footopt_velocity", "footopt_upright"
 #: Of each actuator: force, speed and place of its joint.
 ACTUATOR = ("footopt_force_", "footopt_speed_", "footopt_place_")
+PACKAGE = "pkg://"  # before the name of a package and a path in it
 FLOORS = ("mjGEOM_PLANE", "mjGEOM_HFIELD")
 
 
@@ -44,7 +46,7 @@ class Model:
         Parameters
         ----------
         source : str, Path or mujoco.MjSpec
-            A file of MJCF or URDF, MJCF as text, or a specification, which is not changed.
+            A file of MJCF or URDF, also as ``pkg://PACKAGE/FILE`` of a Python package, MJCF as text, or a specification, which is not changed.
         feet : sequence of str
             Names of the bodies that are feet.
 
@@ -112,6 +114,14 @@ class Model:
             "robot.model", name, "a body with a free joint, or with one that slides along z", "Add one."
         )
 
+    def ankles(self) -> Array:
+        """Of each foot the joint that it turns about, in its body's axes, (feet, 3), m; the origin without one."""
+        m, found = self.compiled, np.zeros((len(self.feet), 3))
+        for place, name in zip(found, self.feet, strict=True):
+            for joint in np.flatnonzero((m.jnt_bodyid == m.body(name).id) & np.isin(m.jnt_type, (1, 3))):
+                place[:] = m.jnt_pos[joint]  # of a ball or a hinge
+        return found
+
     def chains(self) -> list[list[int]]:
         """Of each foot the bodies from the root to it."""
         m, found = self.compiled, []
@@ -138,8 +148,14 @@ def _spec(mujoco: Any, source: Any) -> Any:
     text = str(source)
     if "<" in text:
         return mujoco.MjSpec.from_string(text)
-    check(Path(text).is_file(), "robot.model", text, "a file, MJCF as text, or a mujoco.MjSpec")
-    return mujoco.MjSpec.from_file(text)
+    path = Path(text)
+    if text.startswith(PACKAGE):
+        package, _, inside = text.removeprefix(PACKAGE).partition("/")
+        folder = getattr(find_spec(package), "submodule_search_locations", None) or [""]
+        check(folder[0] != "", "robot.model", text, "in a package that is installed", f"pip install {package}?")
+        path = Path(folder[0]) / inside
+    check(path.is_file(), "robot.model", str(path), "a file, MJCF as text, or a mujoco.MjSpec")
+    return mujoco.MjSpec.from_file(str(path))
 
 
 def _floors(mujoco: Any) -> list[Any]:

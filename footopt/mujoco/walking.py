@@ -109,13 +109,15 @@ def start(robot: Any, model: Any, data: Any, foot: Foot | None) -> dict[str, Foo
         return {}
     mujoco.mj_kinematics(model, data)
     data.qpos[robot.model.height_address()] += rise(robot, data, foot)
-    return dict.fromkeys(robot.feet, foot)
+    moved = foot.ankle - robot.model.ankles()[:, AXES]  # for which a body's origin is its ankle
+    soles = {tuple(ankle): replace(foot, ankle=tuple(ankle)) for ankle in moved.tolist()}
+    return {name: soles[tuple(ankle)] for name, ankle in zip(robot.feet, moved.tolist(), strict=True)}
 
 
 def rise(robot: Any, data: Any, foot: Foot) -> float:
     """By how much a robot has to be lifted for the limit force of sinking on its feet to carry it, m."""
     rows = [robot.model.compiled.body(name).id for name in robot.feet]
-    x, z = data.xpos[rows][:, AXES].T
+    x, z = ankles(robot, data, rows)[:, AXES].T
     pitch = np.arctan2(data.xmat[rows, 6], data.xmat[rows, 0])
     level = tuple(effect for effect in robot.effects if effect.law is None or not hasattr(effect.law, "push"))
     scene, plates = replace(robot.planar, effects=level), robot.plates_of(foot, PLATES)
@@ -139,6 +141,13 @@ def rise(robot: Any, data: Any, foot: Foot) -> float:
         bracket = depths[at - 1 : at + 1]
         depths = np.linspace(bracket[0], bracket[1], 17)
     return float(-low - np.interp(0.0, more[at - 1 : at + 1], bracket))
+
+
+def ankles(robot: Any, data: Any, rows: list[int]) -> Array:
+    """Places of the ankles of feet, bodies of some rows, (feet, 3), m."""
+    turned = np.einsum("fij,fj->fi", data.xmat[rows].reshape(-1, 3, 3), robot.model.ankles())
+    found: Array = data.xpos[rows] + turned
+    return found
 
 
 @lru_cache(maxsize=32)
@@ -210,10 +219,12 @@ def poses(robot: Any, dt: float, states: Array) -> tuple[Array, Array]:
     joints = np.empty((len(states), len(chains), long, 2))
     turned = np.empty((len(states), len(chains)))
     rows = np.array([[chain[0]] * (long - len(chain)) + chain for chain in chains])
+    feet = rows[:, -1].tolist()
     for n, state in enumerate(states):
         mujoco.mj_setState(model, data, state, mujoco.mjtState.mjSTATE_FULLPHYSICS)
         mujoco.mj_kinematics(model, data)
         joints[n] = data.xpos[rows][..., AXES]
+        joints[n, :, -1] = ankles(robot, data, feet)[:, AXES]
         turned[n] = np.arctan2(data.xmat[rows[:, -1], 6], data.xmat[rows[:, -1], 0])
     return joints, turned
 

@@ -18,7 +18,7 @@ from footopt.errors import FileError, FootoptError, SettingError, check
 from footopt.files.io import write_whole
 from footopt.report.numbers import sand_title, title
 from footopt.report.stage import ARROW, Stage, draw_ground, draw_key, write
-from footopt.report.style import PAGE, SIDES, new_figure, styled
+from footopt.report.style import PAGE, new_figure, sides, styled
 from footopt.walk import Walk
 
 Array = NDArray[np.float64]
@@ -137,7 +137,7 @@ def scene_of(walk: Walk, t: Array, speed: float) -> tuple[Any, Callable[[int], N
         whole.plot(*walk.com.T, color="black", lw=0.6, ls=":")
         draw_key(whole, stage.draw_feet(whole, i, stage.scale), stage.scale * ARROW * high)
         draw_key(near, stage.draw_feet(near, i, largest / LONGEST, close=True), 0.8 * largest)
-        for foot, (side, _) in enumerate(SIDES):
+        for foot, (side, _) in enumerate(sides(walk)):
             write(near, side, stage.body.legs[i, foot, -1], (0, 12), ha="center")
         near.set_xlabel("$x$ (m)")
         ended = f", failed: {walk.reason}" if walk.reason and t[i] >= walk.t[-1] else ""

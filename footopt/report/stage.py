@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from footopt.files.outline import closed_contour
 from footopt.report import style
 from footopt.report.numbers import sand_title, title
-from footopt.report.style import PALETTE, SIDES, Axes
+from footopt.report.style import PALETTE, Axes
 from footopt.walk import Scene, Walk
 
 Array = NDArray[np.float64]
@@ -26,7 +25,6 @@ POSES = 9  # of the walker in the picture of a walk
 ARROW = 0.2  # of the picture's height: an arrow of half of the walk's largest force
 FAR = 1e6  # m, beyond any view
 WIDE, HIGH = 0.12, 0.05  # of a picture: a narrower patch or a thinner layer has no room for its name
-BOTH = (0, 1)  # feet, the left one first
 INK = PALETTE["ink"]
 LEG = {"lw": 3.0, "alpha": 0.75, "solid_capstyle": "round", "solid_joinstyle": "round"}
 TIMES = "\N{MULTIPLICATION SIGN}"
@@ -145,15 +143,17 @@ class Stage:
         return max(0.5 * float(np.abs(self.walk.force).max()), 1e-9) / (ARROW * self.limits[3])
 
     def draw_feet(
-        self, axes: Axes, i: int, scale: float, feet: Sequence[int] = BOTH, close: bool = False
+        self, axes: Axes, i: int, scale: float, only: int | None = None, close: bool = False
     ) -> Quiver:
-        """Draw some feet with their legs, the hip, and the forces at the i-th instant.
+        """Draw all feet or one with their legs, the hip, and the forces at the i-th instant.
 
         Arrows have `scale` newtons per metre; `close` ones are forces on parts of the soles and end there,
         others are whole forces and begin where they act.
         """
+        named = style.sides(self.walk)
+        feet = range(len(named)) if only is None else [only]
         for foot in feet:
-            (side, colour), order = SIDES[foot], 1.7 + 0.4 * foot
+            (side, colour), order = named[foot], 1.7 + 0.4 * foot
             joints, sole = self.body.legs[i, foot].T, self.body.sole[i, foot].T
             axes.fill(*self.body.outline[i, foot].T, fc=colour, lw=0, alpha=0.16, zorder=order)
             axes.plot(*joints, color=colour, zorder=order + 0.1, label=f"_{side}-leg", **LEG)
@@ -228,7 +228,7 @@ def draw_walk(axes: Axes, walk: Walk) -> None:
     draw_ground(axes, stage.ground)
     for i in range(len(index)):
         arrows = stage.draw_feet(axes, i, stage.scale)
-    for side, colour in SIDES:
+    for side, colour in style.sides(walk):
         axes.plot([], [], color=colour, label=f"{side} leg", **LEG)
     draw_key(axes, arrows, 0.5 * float(np.abs(walk.force).max()))
     axes.plot(*walk.com.T, color="black", lw=0.8, label="path of the COM", zorder=3.5)

@@ -20,6 +20,7 @@ from matplotlib import rc_params_from_file
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from footopt.errors import check
 from footopt.files.io import write_bytes
 from footopt.walk import Walk
 
@@ -172,6 +173,12 @@ def as_text(name: str) -> str:
     """A user's name as a label: no formula between dollars, and no "_" before it, which would hide it."""
     plain = name.replace("$", r"\$")
     return f" {plain}" if plain.startswith("_") else plain
+
+
+def sides(walk: Walk) -> list[tuple[str, str]]:
+    """Name and colour of each of a walk's feet, of which pictures have one or two."""
+    check(len(walk.sides) <= len(SIDES), "robot.feet", len(walk.sides), "one or two, for pictures")
+    return [(side, colour) for side, (_, colour) in zip(walk.sides, SIDES, strict=False)]
 
 
 def walk_label(label: str, walk: Walk) -> str:

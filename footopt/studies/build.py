@@ -52,7 +52,8 @@ def absolute(settings: Mapping[str, Any]) -> dict[str, Any]:
             return {key: locate(f"{name}.{key}".lstrip("."), one) for key, one in value.items()}
         if isinstance(value, list):
             return [locate(name, one) for one in value]
-        is_file = value and name in PATHS and (name != "plugins" or value.endswith(".py"))  # or a module
+        module = str(value).startswith("pkg://") or (name == "plugins" and not value.endswith(".py"))
+        is_file = value and name in PATHS and not module
         return os.path.abspath(os.path.expanduser(value)) if is_file else value
 
     return dict(locate("", settings))
@@ -246,7 +247,7 @@ def make_simulator(config: Config) -> Scene | Simulator:
     own, joints, table = name == "robot", given.pop("joints", None), given.pop("controller", None)
     check(own == ("model" in given), "robot.model", config.robot.model, "a file, with simulator=robot")
     hint = "From Python it may have any number."
-    check(len(config.robot.feet) == 2, "robot.feet", config.robot.feet, "two bodies", hint)
+    check(len(config.robot.feet) in (1, 2), "robot.feet", config.robot.feet, "one body or two", hint)
     check(joints is None or isinstance(joints, dict), "robot.joints", joints, "{hip_l: left_hip}")
     tracked = () if joints is None else (joints,)
     controller = read_controller(table) if table else Tracker(make_gait(config.gait), *tracked)

@@ -120,7 +120,8 @@ def write_walk(study: Study, walk: Walk, walks: Mapping[str, Walk]) -> list[str]
     if not study.wants_report:
         write_foot(walk.foot, study.folder / "contour.csv")
         return []
-    files.write_walk(study.folder / "walk.nc", walk.variables, {"reason": walk.reason})
+    order = {"foot_order": ", ".join(walk.sides), "reason": walk.reason}
+    files.write_walk(study.folder / "walk.nc", walk.variables, order)
     _, notes = write_all(walk.foot, study.folder, study.config.foot.block)
     if study.wants_figures:
         from footopt.report import figures  # matplotlib takes a second

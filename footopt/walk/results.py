@@ -121,8 +121,8 @@ class Variable(NamedTuple):
     values: Array
 
 
-#: Names of the places along a dimension.
-PLACES = {"foot": ("left", "right"), "axis": ("x", "z")}
+#: Names of feet by their number; of more of them the numbers.
+SIDES = {1: ("single",), 2: ("left", "right")}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -192,6 +192,12 @@ class Walk:
         return not self.reason
 
     @property
+    def sides(self) -> tuple[str, ...]:
+        """Names of its feet."""
+        count = self.force.shape[1]
+        return SIDES.get(count, tuple(str(foot) for foot in range(count)))
+
+    @property
     def objectives(self) -> dict[str, float]:
         """All objectives by name, in natural signs; NaN for a failed walk."""
         raw = {name: np.array([value if self.feasible else np.nan]) for name, value in self.totals.items()}
@@ -231,11 +237,11 @@ class Walk:
         """
         import pandas
 
-        columns, units = {}, {}
+        columns, units, named = {}, {}, {"foot": self.sides, "axis": ("x", "z")}
         for name, (dimensions, unit, values) in self.variables.items():
             if dimensions[0] == "time" and name != "t":
                 for place in np.ndindex(values.shape[1:]):
-                    words = [PLACES[d][i] for d, i in zip(dimensions[1:], place, strict=True)]
+                    words = [named[d][i] for d, i in zip(dimensions[1:], place, strict=True)]
                     column = "_".join([name, *words])
                     columns[column], units[column] = values[(slice(None), *place)], unit
         frame = pandas.DataFrame(columns, index=pandas.Index(self.t, name="t"))

@@ -38,14 +38,14 @@ def step(walk: Walk) -> Figure:
         axes.set(xlim=(left - MARGIN, right + MARGIN), aspect="equal")
         axes.set(ylim=(low - LONGEST - MARGIN, max(high, 0.0) + 2 * MARGIN))
         draw_ground(axes, stage.ground, words=axes is grid[0, -1])
-        arrows = stage.draw_feet(axes, i, largest / LONGEST, [foot], close=True)
+        arrows = stage.draw_feet(axes, i, largest / LONGEST, foot, close=True)
         if i == 0:
             draw_key(axes, arrows, 0.8 * largest)
         axes.text(0.02, 0.98, f"{stage.t[i] - begin:.2f} s", va="top", transform=axes.transAxes)
         axes.xaxis.set_major_locator(MaxNLocator(3))
         axes.yaxis.set_major_locator(MaxNLocator(4))
     since = f"{'heel strike' if contact.dragged else 'touch-down'} at t = {begin:.2f} s"
-    title = f"{style.walk_label(f'{style.SIDES[foot][0]} foot', walk)}, time since {since}"
+    title = f"{style.walk_label(f'{walk.sides[foot]} foot', walk)}, time since {since}"
     grid[0, COLUMNS // 2].set_title(f"{title}; arrows: force on 1/{ARROWS} of the sole")
     figure.supxlabel("$x$ (m)")
     figure.supylabel("$z$ (m)")

@@ -12,24 +12,27 @@ from footopt.report import style
 from footopt.report.style import Axes
 from footopt.walk import Walk
 
-FEET = [side for side, _ in style.SIDES]
 ROUNDING = 12  # digits behind the point: what is smaller is no motion, force or power
 
-#: Quantities of a walk: the label of an axis, and the symbol of each component with its index.
-QUANTITIES: dict[str, tuple[str, dict[str, tuple[int, ...]]]] = {
-    "com": ("position (m)", {r"$x_{\mathrm{COM}}$": (0,), r"$z_{\mathrm{COM}}$": (1,)}),
-    "velocity": ("velocity (m/s)", {"$V_x$": (0,), "$V_z$": (1,)}),
-    "force": (
-        "force of the sand (N)",
-        {
-            f"{side} foot $f_{axis}$": (foot, i)
-            for foot, side in enumerate(FEET)
-            for i, axis in enumerate("xz")
-        },
-    ),
-    "power": ("power of the sand (W)", {f"{side} foot $P_{side[0]}$": (i,) for i, side in enumerate(FEET)}),
-    "work": ("work of the sand (J)", {f"{side} foot $W_{side[0]}$": (i,) for i, side in enumerate(FEET)}),
+#: Quantities of a walk: the label of an axis, and symbols of the components, of each foot where it is named.
+QUANTITIES: dict[str, tuple[str, list[str]]] = {
+    "com": ("position (m)", [r"$x_{\mathrm{COM}}$", r"$z_{\mathrm{COM}}$"]),
+    "velocity": ("velocity (m/s)", ["$V_x$", "$V_z$"]),
+    "force": ("force of the sand (N)", ["{side} foot $f_x$", "{side} foot $f_z$"]),
+    "power": ("power of the sand (W)", ["{side} foot $P_{letter}$"]),
+    "work": ("work of the sand (J)", ["{side} foot $W_{letter}$"]),
 }
+
+
+def components(walk: Walk, name: str) -> dict[str, tuple[int, ...]]:
+    """The symbol of each component of one of `QUANTITIES` of a walk, with its index."""
+    symbols, found = QUANTITIES[name][1], {}
+    if not symbols[0].startswith("{side}"):
+        return {symbol: (i,) for i, symbol in enumerate(symbols)}
+    for foot, (side, _) in enumerate(style.sides(walk)):
+        for i, symbol in enumerate(symbols):
+            found[symbol.format(side=side, letter=side[0])] = (foot, i)[: len(symbols)]
+    return found
 
 
 @style.styled()
@@ -51,11 +54,13 @@ def power_work(walks: Mapping[str, Walk]) -> Figure:
 
 
 def _panels(walks: Mapping[str, Walk], names: Sequence[str], sharey: Any = False) -> Figure:
-    """Traces of walks by label, in two rows of two panels."""
+    """Traces of walks by label, in two rows of two panels, or in one row for one foot."""
     figure = style.new_figure(style.PAGE, 3.6)
     figure.set_layout_engine("constrained", wspace=0.05)
-    grid = figure.subplots(2, 2, sharex=True, sharey=sharey)
-    panels = [(name, *part) for name in names for part in QUANTITIES[name][1].items()]
+    walk = next(iter(walks.values()))
+    panels = [(name, *part) for name in names for part in components(walk, name).items()]
+    rows = 2 if len(walk.sides) > 1 or "com" in names else 1
+    grid = figure.subplots(rows, len(panels) // rows, sharex=True, sharey=sharey, squeeze=False)
     for axes, (name, symbol, index) in zip(grid.flat, panels, strict=True):
         for i, (label, walk) in enumerate(walks.items()):
             _draw(axes, walk, name, index, style.look(label, i) | {"label": style.walk_label(label, walk)})
@@ -71,8 +76,8 @@ def _panels(walks: Mapping[str, Walk], names: Sequence[str], sharey: Any = False
 
 def draw_quantity(axes: Axes, walk: Walk, name: str) -> None:
     """All components of one of `QUANTITIES` of a walk against time."""
-    label, parts = QUANTITIES[name]
-    for symbol, index in parts.items():
+    label = QUANTITIES[name][0]
+    for symbol, index in components(walk, name).items():
         colour = style.SIDES[index[0]][1] if "foot" in symbol else style.COLOURS[index[0]]
         looks = {"color": colour, "ls": "--" if index[-1] else "-", "label": symbol}
         _draw(axes, walk, name, index, looks)

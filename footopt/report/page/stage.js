@@ -1,6 +1,6 @@
 // The stage: legs, soles, forces and the ground at one instant of a walk.
 
-const LEFT = 0, RIGHT = 1, SIDES = ["left", "right"];
+const LEFT = 0, RIGHT = 1, SIDES = data.sides ?? ["left", "right"], LOOKS = ["left", "right"];
 const LINES = [{ stroke: "var(--left)" }, { stroke: "var(--right)", "stroke-dasharray": "7 3" }];
 
 const gait = data.gait && { ...data.gait, angles: unpack(data.gait.angles) };
@@ -50,7 +50,7 @@ function at(walk, name, width, t, times = walk.t) {
 /** Joints of a leg of a walk at a time, m, and the pitch of its foot, rad: traced, or of the gait. */
 function legPose(walk, t, foot) {
   if (walk.legs?.length) {
-    const width = walk.legs.length / walk.t.length / 2, row = at(walk, "legs", 2 * width, t).slice(foot * width, (foot + 1) * width);
+    const width = walk.legs.length / walk.t.length / SIDES.length, row = at(walk, "legs", SIDES.length * width, t).slice(foot * width, (foot + 1) * width);
     return [pairs(row.slice(0, -1)), row.at(-1)];
   }
   const [x, z] = at(walk, "com", 2, t), [thigh, shank, pitch] = legAngles(t, foot);
@@ -71,7 +71,7 @@ function pose(walk, t) {
 
 /** Where everything is at a time, m and N. */
 function instant(walk, t) {
-  const parts = pairs(walk.at), arrows = at(walk, "arrows", 4 * parts.length, t, walk.when);
+  const parts = pairs(walk.at), arrows = at(walk, "arrows", 2 * SIDES.length * parts.length, t, walk.when);
   const feet = pose(walk, t).map(({ leg, turn, carry }, foot) => ({ leg, shape: carry(walk.shape), sole: carry(walk.light),
     forces: parts.map((p, i) => ({ at: turn(p), f: arrows.slice(2 * (foot * parts.length + i)).slice(0, 2) })) }));
   return { com: at(walk, "com", 2, t), feet };
@@ -122,9 +122,9 @@ function groundPicture({ left, right, low, high, unit, metres, newtons, close })
 function bodyPicture(now, { left, right, unit, metres, close }, ghosts) {
   const shapes = ghosts.map((points) => ["ghost", points]), words = [];
   now.feet.forEach(({ leg, shape, sole }, foot) => {
-    const side = SIDES[foot], [x, z] = leg.at(-1);
+    const side = LOOKS[foot], [x, z] = leg.at(-1);
     shapes.push([`${side}-foot`, shape], [`${side}-leg`, leg], [`${side}-joints dots`, leg.slice(1)], [`${side}-sole`, sole]);
-    if (close && x > left + 3 * unit && x < right - 3 * unit) words.push([x, z + 5.5 * unit, side, "middle"]);
+    if (close && x > left + 3 * unit && x < right - 3 * unit) words.push([x, z + 5.5 * unit, SIDES[foot], "middle"]);
   });
   const forces = now.feet.flatMap((foot) => (close ? foot.forces : [resultant(foot.forces)])).filter(({ at: place }) => place);
   const drawn = forces.map(({ at: [x, z], f: [fx, fz] }) => [x - close * metres * fx, z - close * metres * fz, metres * fx, metres * fz]);

@@ -3,10 +3,10 @@
 const PLOTS = [
   { title: "height of the COM (m)", name: "com", width: 2, lines: [1] },
   { title: "forward speed (m/s)", name: "velocity", width: 2, lines: [0] },
-  { title: "vertical force (N)", name: "force", width: 4, lines: [1, 3] },
-  { title: "forward force (N)", name: "force", width: 4, lines: [0, 2] },
-  { title: "power of the sand (W)", name: "power", width: 2, lines: [0, 1] },
-  { title: "work of the sand (J)", name: "work", width: 2, lines: [0, 1] },
+  { title: "vertical force (N)", name: "force", width: 2 * SIDES.length, lines: [1, 3].slice(0, SIDES.length) },
+  { title: "forward force (N)", name: "force", width: 2 * SIDES.length, lines: [0, 2].slice(0, SIDES.length) },
+  { title: "power of the sand (W)", name: "power", width: SIDES.length, lines: [0, 1].slice(0, SIDES.length) },
+  { title: "work of the sand (J)", name: "work", width: SIDES.length, lines: [0, 1].slice(0, SIDES.length) },
 ];
 
 const PALE = { stroke: "var(--flat)", "stroke-width": 1.2 }; // the walk that another is compared with
@@ -120,7 +120,7 @@ function walkSection() {
     clock.textContent = `t = ${state.t.toFixed(2)} s of ${gait.end.toFixed(2)} s`;
     scrubber.setAttribute("aria-valuetext", clock.textContent);
     const get = (name, width) => at(state.walk, name, width, state.t);
-    const com = get("com", 2), v = get("velocity", 2), f = get("force", 4), p = get("power", 2), w = get("work", 2);
+    const com = get("com", 2), v = get("velocity", 2), f = get("force", 2 * SIDES.length), p = get("power", SIDES.length), w = get("work", SIDES.length);
     numbers.replaceChildren(table(["at this instant", "x (m)", "z (m)", "Vx (m/s)", "Vz (m/s)", "forward force (N)", "vertical force (N)", "power (W)", "work (J)"], [
       ["centre of mass (COM)", com[0].toFixed(3), com[1].toFixed(3), v[0].toFixed(3), v[1].toFixed(3), "", "", "", ""],
       ...SIDES.map((side, i) => [`${side} foot`, "", "", "", "", f[2 * i].toFixed(0), f[2 * i + 1].toFixed(0), p[i].toFixed(1), w[i].toFixed(1)]),
@@ -199,7 +199,7 @@ function sampleTable(walk) {
   const rows = [];
   for (let i = 0; i < walk.t.length; i += every) rows.push([walk.t[i].toFixed(3),
     ...["com", "velocity", "force", "power", "work"].flatMap((name) => {
-      const width = name === "force" ? 4 : 2;
+      const width = walk[name].length / walk.t.length;
       return Array.from(walk[name].slice(i * width, (i + 1) * width), number);
     })]);
   return table(["t (s)", "x (m)", "z (m)", "Vx (m/s)", "Vz (m/s)",

@@ -15,6 +15,7 @@ from footopt.report.numbers import sand_title, title
 from footopt.report.page.file import column, packed
 from footopt.report.page.physics import physics, spline
 from footopt.report.stage import forces_along, ground, groups
+from footopt.report.style import sides
 from footopt.report.terminal import describe_confirmation, describe_foot, describe_scene, describe_search
 from footopt.walk import MEASURES, Scene, Simulator, Walk
 from footopt.walk.accuracy import AnyAccuracy
@@ -126,6 +127,7 @@ def _common(
         "columns": [column(name, MEASURES[name].unit, MEASURES[name].maximise) for name in names],
         "entry": {name: value for name, value in entry.items() if name not in ON_THE_PAGE},
         "ground": ground(world),
+        "sides": [side for side, _ in sides(walk)],
         "physics": physics(scene, accuracy, foot) if isinstance(scene, Scene) else {"refusal": OUTSIDE},
         "gait": {
             "end": world.duration,
