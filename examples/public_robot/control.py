@@ -1,8 +1,9 @@
 """A controller of gymnasium's Walker2d that walks on sand: robot.controller=control.py:step
 
-SIMBICON (Yin, Loken & van de Panne, ACM Trans. Graph. 26, 2007) with steps by the clock: servos hold the angles of a
-pose, the swing thigh's by the world and by how far and how fast the body is ahead of the stance foot, and the
-stance hip turns the torso upright. Angles are in rad, positive forward, as those of the model's joints.
+SIMBICON (Yin, Loken & van de Panne, ACM Trans. Graph. 26, 2007) with steps by the clock: servos hold the
+angles of a pose, the swing thigh's by the world and by how far and how fast the body is ahead of the stance
+foot, and the stance hip turns the torso upright. Angles are in rad, positive forward, as the
+model's joints have them.
 """
 
 from __future__ import annotations

@@ -46,7 +46,8 @@ class Model:
         Parameters
         ----------
         source : str, Path or mujoco.MjSpec
-            A file of MJCF or URDF, also as ``pkg://PACKAGE/FILE`` of a Python package, MJCF as text, or a specification, which is not changed.
+            A file of MJCF or URDF, also as ``pkg://PACKAGE/FILE`` in a Python package, MJCF as text, or a
+            specification, which is not changed.
         feet : sequence of str
             Names of the bodies that are feet.
 
@@ -115,7 +116,7 @@ class Model:
         )
 
     def ankles(self) -> Array:
-        """Of each foot the joint that it turns about, in its body's axes, (feet, 3), m; the origin without one."""
+        """Of each foot the joint that it turns about, else its origin, in its body's axes, (feet, 3), m."""
         m, found = self.compiled, np.zeros((len(self.feet), 3))
         for place, name in zip(found, self.feet, strict=True):
             for joint in np.flatnonzero((m.jnt_bodyid == m.body(name).id) & np.isin(m.jnt_type, (1, 3))):
@@ -152,7 +153,8 @@ def _spec(mujoco: Any, source: Any) -> Any:
     if text.startswith(PACKAGE):
         package, _, inside = text.removeprefix(PACKAGE).partition("/")
         folder = getattr(find_spec(package), "submodule_search_locations", None) or [""]
-        check(folder[0] != "", "robot.model", text, "in a package that is installed", f"pip install {package}?")
+        hint = f"pip install {package}?"
+        check(folder[0] != "", "robot.model", text, "in a package that is installed", hint)
         path = Path(folder[0]) / inside
     check(path.is_file(), "robot.model", str(path), "a file, MJCF as text, or a mujoco.MjSpec")
     return mujoco.MjSpec.from_file(str(path))

@@ -40,13 +40,15 @@ STEP_COST = 100.0  # plates along a sole that take as long as what else is in a 
 class Robot(Simulator):
     """A robot in MuJoCo, whose feet are designed.
 
-    The sole that walks replaces what its feet touch the ground with: a foot's `Foot.ankle` is the origin of
-    its body, with x forward and z up. All else of the model stays, the feet's mass and inertia, too.
+    The sole that walks replaces what its feet touch the ground with: a foot's `Foot.ankle` is the hinge of
+    its body, or the origin without one, with x forward and z up at the start. All else of the model stays,
+    the feet's mass and inertia, too.
 
     Parameters
     ----------
     model : str, Path or mujoco.MjSpec
-        Its MJCF or URDF as a file, MJCF as text, or a specification; by default a planar biped of 60 kg.
+        Its MJCF or URDF as a file (``pkg://PACKAGE/FILE`` for one in a package that is installed), MJCF as
+        text, or a specification; by default a planar biped of 60 kg.
     feet : sequence of str
         Names of the bodies that are feet.
     controller : Tracker, Commands or callable

@@ -29,6 +29,7 @@ MEASURED = (*FIVE, "joint_work", "torque", "survival", "maximum_sinkage", "peak_
 SLOW = 1e-6  # m/s, of what sinks at 1 m/s
 PLATES = 64  # along a sole that finds where a robot starts
 DEEPEST = 100.0  # m, to which a robot may sink at first
+SQUARE = 0.5  # cosine of how far the axes of a foot may be from forward and up at the start
 AXES = [0, 2]  # x and z of three
 
 
@@ -108,6 +109,11 @@ def start(robot: Any, model: Any, data: Any, foot: Foot | None) -> dict[str, Foo
         data.qpos[robot.model.height_address()] += 100.0
         return {}
     mujoco.mj_kinematics(model, data)
+    for name in robot.feet:
+        x, _, z = data.body(name).xmat.reshape(3, 3).T
+        if x[0] < SQUARE or z[2] < SQUARE:
+            hint = "Put a body inside of it that has these axes and no joint, and name that one."
+            raise SettingError("robot.feet", name, "a body with x forward and z up at the start", hint)
     data.qpos[robot.model.height_address()] += rise(robot, data, foot)
     moved = foot.ankle - robot.model.ankles()[:, AXES]  # for which a body's origin is its ankle
     soles = {tuple(ankle): replace(foot, ankle=tuple(ankle)) for ankle in moved.tolist()}

@@ -170,3 +170,44 @@ class TestTheRobot:
     def test_what_is_not_in_the_model_is_refused_by_name(self, setting, options):
         with pytest.raises(SettingError, match=setting):
             fo.mujoco.Robot(**options)
+
+
+HOPPER = """
+<mujoco>
+  <option timestep="0.002" integrator="implicitfast"/>
+  <worldbody>
+    <geom type="plane" size="9 9 1"/>
+    <body name="trunk" pos="0 0 1">
+      <joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 0 1"/>
+      <geom type="box" size=".1 .1 .1" mass="10"/>
+      <body name="foot" pos=".1 0 -.5" euler="{euler}">
+        <joint name="ankle" axis="0 -1 0" pos="-.1 0 .05" stiffness="500" damping="20"/>
+        <geom type="box" size=".1 .05 .01" mass="1"/>
+      </body>
+    </body>
+  </worldbody>
+</mujoco>
+"""
+
+
+class TestOneFoot:
+    @pytest.mark.slow
+    def test_walks_and_is_drawn(self):
+        """Its ankle is the joint, wherever the body's origin is, and the figures have one row."""
+        from footopt.report import figures
+
+        robot = fo.mujoco.Robot(HOPPER.format(euler="0 0 0"), "foot", hold, duration=0.4)
+        walk = fo.simulate(fo.Foot.flat(), robot, COARSE)
+        np.testing.assert_allclose(walk.legs(walk.t)[:, 0, -1, 0], walk.com[-1, 0], atol=0.02)
+        assert walk.force[-20:, 0, 1].mean() == pytest.approx(robot.weight, rel=0.05)
+        assert len(figures.forces({"hop": walk}).axes) == 2
+        assert "force_single_z" in walk.to_frame()
+
+    def test_with_axes_that_are_no_foots_is_refused(self):
+        robot = fo.mujoco.Robot(HOPPER.format(euler="0 90 0"), "foot", hold, duration=0.4)
+        with pytest.raises(SettingError, match=r"robot.feet = 'foot'.*x forward and z up"):
+            fo.evaluate([SOLES[0]], robot, COARSE, space=SPACE)
+
+    def test_a_package_that_is_not_installed_is_named(self):
+        with pytest.raises(SettingError, match=r"robot.model.*pip install no_such_robots"):
+            fo.mujoco.Robot("pkg://no_such_robots/hopper.xml")
