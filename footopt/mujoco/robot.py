@@ -41,8 +41,7 @@ class Robot(Simulator):
     """A robot in MuJoCo, whose feet are designed.
 
     The sole that walks replaces what its feet touch the ground with: a foot's `Foot.ankle` is the hinge of
-    its body, or the origin without one, with x forward and z up at the start. All else of the model stays,
-    the feet's mass and inertia, too.
+    its body, or the origin, with x forward and z up at the start. Their mass and inertia stay.
 
     Parameters
     ----------
