@@ -13,6 +13,19 @@ import footopt as fo
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
+@pytest.mark.slow
+def test_the_walker_of_gymnasium_walks_on_sand():
+    pytest.importorskip("mujoco")
+    pytest.importorskip("gymnasium")
+    step = runpy.run_path(str(EXAMPLES / "public_robot" / "control.py"))["step"]
+    model, feet = "pkg://gymnasium/envs/mujoco/assets/walker2d_v5.xml", ("foot", "foot_left")
+    sand = fo.Sand.named("regular")
+    robot = fo.mujoco.Robot(model, feet, step, sand, duration=3.0, after=1.0)
+    table = fo.evaluate([fo.Foot.flat()], robot, fo.Accuracy(dt=1e-3, plates=32), "distance")
+    assert table.feasible.all()
+    assert table.values[0, 0] > 1.0
+
+
 def test_sobol_indices_of_a_linear_model_are_those_of_its_coefficients():
     """10 + 3 zeta - 4 mass, in standard deviations: a variance of 25, of which 9 and 16 are theirs."""
     example = runpy.run_path(str(EXAMPLES / "sobol.py"))
