@@ -64,7 +64,9 @@ def solve_stage(world, sole, poses, start, c, vx, vz, bristles, turning, counts)
     creep speed the slope of h does not show the way back. From there on the direction w of either foot is an
     unknown of its own (`turned`) and stands for h in dh/dv = rate (I - w h^T), as in primal-dual methods for
     total variation (Chan, Golub & Mulet, SIAM J. Sci. Comput. 20, 1999). The root is the same: w = h there.
-    Where that leads nowhere, steps from the best velocity so far are halved until the residual is smaller.
+    Between two velocities gates of effects may open or shut, of which the slope at neither tells: there the
+    slope along the way from the best velocity so far is the `secant`. Where that leads nowhere, steps from
+    there are halved until the residual is smaller.
 
     Parameters
     ----------
@@ -85,12 +87,9 @@ def solve_stage(world, sole, poses, start, c, vx, vz, bristles, turning, counts)
     -------
     Stage
     """
-    inv, turning_speed, h0 = (
-        c / world.mass,
-        _turning_speed(world.bristle_length, world.creep, c),
-        _h0(bristles),
-    )
-    w, mode, idle = turning, PLAIN, 0
+    inv, h0 = c / world.mass, _h0(bristles)
+    turning_speed = _turning_speed(world.bristle_length, world.creep, c)
+    w, mode, idle, best_rx, best_rz = turning, PLAIN, 0, 0.0, 0.0
     if w.on:
         hip = Motion(start.x + c * vx, start.z + c * vz, vx, vz)
         if distance(w, directions(world, sole, poses, hip, turning_speed, h0)) > NEAR:
@@ -106,7 +105,7 @@ def solve_stage(world, sole, poses, start, c, vx, vz, bristles, turning, counts)
         square = rx * rx + rz * rz
         if square <= now.best:
             now = Iterate(now.vx, now.vz, now.dvx, now.dvz, square, now.vx, now.vz)
-            idle = 0
+            idle, best_rx, best_rz = 0, rx, rz
         elif mode == PLAIN:
             before = Motion(hip.x - c * now.dvx, hip.z - c * now.dvz, hip.vx - now.dvx, hip.vz - now.dvz)
             h = directions(world, sole, poses, before, turning_speed, h0)
@@ -126,7 +125,10 @@ def solve_stage(world, sole, poses, start, c, vx, vz, bristles, turning, counts)
         else:
             now = back_track(now)
             continue
-        dvx, dvz = newton_step(inv, at, rx, rz)
+        slope = slope_of(inv, at)
+        if idle > 1 and world.effects.gates is not None and not world.shut:
+            slope = secant(slope, now.vx - now.best_vx, now.vz - now.best_vz, rx - best_rx, rz - best_rz)
+        dvx, dvz = newton_step(slope, rx, rz)
         if mode == AHEAD:
             w = turned(w, h, dvx, dvz)
         now = Iterate(now.vx + dvx, now.vz + dvz, dvx, dvz, now.best, now.best_vx, now.best_vz)
@@ -227,13 +229,29 @@ def residual(world, start, c, hip, at):
 
 
 @inlined
-def newton_step(inv, at, rx, rz):
-    """The solution of (1 - c/M dF/dV) dV = -r, m/s; inv: c/M."""
+def slope_of(inv, at):
+    """J = 1 - c/M dF/dV of the residual; inv: c/M."""
     left, right = at.left, at.right
     jxx = 1.0 - inv * (left.xx + right.xx)
     jxz = -inv * (left.xz + right.xz)
     jzx = -inv * (left.zx + right.zx)
     jzz = 1.0 - inv * (left.zz + right.zz)
+    return jxx, jxz, jzx, jzz
+
+
+@inlined
+def secant(slope, dvx, dvz, drx, drz):
+    """J with the least change by which J dV is the residual's (Broyden, Math. Comp. 19, 1965)."""
+    jxx, jxz, jzx, jzz = slope
+    square = dvx * dvx + dvz * dvz
+    x, z = (drx - jxx * dvx - jxz * dvz) / square, (drz - jzx * dvx - jzz * dvz) / square
+    return jxx + x * dvx, jxz + x * dvz, jzx + z * dvx, jzz + z * dvz
+
+
+@inlined
+def newton_step(slope, rx, rz):
+    """Solution of J dV = -r, m/s."""
+    jxx, jxz, jzx, jzz = slope
     det = 1.0 / (jxx * jzz - jxz * jzx)
     return (jxz * rz - jzz * rx) * det, (jzx * rx - jxx * rz) * det
 

@@ -132,14 +132,14 @@ def level(gait):
 
 
 class TestNewton:
+    @pytest.mark.parametrize("effects", [(), (fo.Rest(),)], ids=["creep", "rest"])
     @pytest.mark.parametrize("zeta", [5.0, 50.0, 500.0])
-    def test_a_foot_that_is_kept_level_takes_little_more_than_one_that_turns(self, zeta):
+    def test_a_foot_that_is_kept_level_takes_little_more_than_one_that_turns(self, zeta, effects):
         """All of its plates turn their direction over at one velocity, hundreds of times while it stands."""
         accuracy = fo.Accuracy("sdirk2", 5e-3, 64, 5e-6, control=5e-4)
         feet, turning = fo.Waypoints().random(4, seed=1), fo.Gait.human()
-        walks = [
-            fo.evaluate(feet, fo.Scene(fo.Sand(zeta), gait), accuracy) for gait in (turning, level(turning))
-        ]
+        scenes = [fo.Scene(fo.Sand(zeta), gait, effects=effects) for gait in (turning, level(turning))]
+        walks = [fo.evaluate(feet, scene, accuracy) for scene in scenes]
         assert (walks[1].evaluations <= 2.0 * walks[0].evaluations).all()
         assert (walks[1].rescues <= 0.002 * walks[1].evaluations).all()
 
