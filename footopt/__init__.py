@@ -41,5 +41,5 @@ def __dir__() -> list[str]:
     return __all__
 
 
-if "IPython" in sys.modules and sys.modules["IPython"].get_ipython() is not None:
-    import_module("footopt.report.cards")
+if "IPython" in sys.modules and (_shell := sys.modules["IPython"].get_ipython()) is not None:
+    import_module("footopt.report.cards").register(_shell)

@@ -148,7 +148,7 @@ class Commands:
 
 @dataclass(frozen=True, eq=False)
 class FunctionController:
-    """A function that sets ``data.ctrl`` before each step, from the model and its data: slow, as all Python.
+    """A function that sets ``data.ctrl`` once in each time step of the model: it is slow, as all Python.
 
     Parameters
     ----------

@@ -51,8 +51,8 @@ class Robot(Simulator):
     feet : sequence of str
         Names of the bodies that are feet.
     controller : Tracker, Commands or callable
-        Of its actuators. A function ``controller(model, data)`` sets ``data.ctrl`` before
-        each step, from nothing but what it is given.
+        Of its actuators. A function ``controller(model, data)`` sets ``data.ctrl`` once in every time
+        step of the model, however short those of a walk are, from nothing but what it is given.
     sand : Sand
         The hard one by default.
     effects : sequence of Effect

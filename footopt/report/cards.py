@@ -2,7 +2,17 @@
 
 from __future__ import annotations
 
-import sys
+from typing import Any
+
+KINDS = (
+    "design.result.SearchResult",
+    "foot.foot.Foot",
+    "gait.gait.Gait",
+    "sand.media.Sand",
+    "walk.results.Table",
+    "walk.results.Walk",
+    "walk.scene.Scene",
+)
 
 
 def card(thing: object) -> str:
@@ -12,14 +22,8 @@ def card(thing: object) -> str:
     return card(thing)
 
 
-_html = sys.modules["IPython"].get_ipython().display_formatter.formatters["text/html"]
-for _kind in (
-    "design.result.SearchResult",
-    "foot.foot.Foot",
-    "gait.gait.Gait",
-    "sand.media.Sand",
-    "walk.results.Table",
-    "walk.results.Walk",
-    "walk.scene.Scene",
-):
-    _html.for_type_by_name(*f"footopt.{_kind}".rsplit(".", 1), card)  # and classes that inherit from it
+def register(shell: Any) -> None:
+    """Have IPython's shell show them, for these classes and for those that inherit from them."""
+    html = shell.display_formatter.formatters["text/html"]
+    for kind in KINDS:
+        html.for_type_by_name(*f"footopt.{kind}".rsplit(".", 1), card)

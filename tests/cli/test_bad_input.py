@@ -65,7 +65,7 @@ COMMANDS = {
     "simulator=robot": "robot.model = None",
     "simulator=robot robot.model=mine.xml": "robot.model",
     "simulator=biped robot.feet=[left_hoof,right_hoof]": "robot.feet = 'left_hoof'",
-    "simulator=biped robot.feet=[left_foot]": "robot.feet",
+    "simulator=biped robot.feet=[left_foot,right_foot,torso]": "robot.feet",
     "simulator=biped robot.joints={knee:left_hip}": "joints = 'knee'",
     "simulator=biped robot.controller=steps.csv": "robot.controller = 'steps.csv'",
     "simulator=biped robot.tilt=-1": "robot.tilt = -1",

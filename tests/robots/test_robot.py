@@ -141,6 +141,25 @@ class TestTheRobot:
         assert soft.model is biped.model
         assert soft != biped
 
+    @pytest.mark.slow
+    def test_shorter_steps_are_no_faster_control(self, biped):
+        """Else no walk with a controller in Python would converge, and its ladder would not end."""
+        times = []
+
+        def note(model, data):
+            times.append(data.time)
+
+        for dt in (4e-3, 2e-3, 5e-4):
+            times.clear()
+            fo.evaluate(
+                SOLES[:1],
+                replace(biped, controller=note, duration=0.2, after=0.0),
+                fo.Accuracy(dt=dt),
+                space=SPACE,
+            )
+            passed = np.diff(times)
+            np.testing.assert_allclose(passed[passed > 0.0], max(dt, 2e-3), rtol=1e-6)  # of one walk
+
     def test_two_functions_of_one_name_are_two_controllers(self, biped):
         one, other = (replace(biped, controller=lambda model, data: None) for _ in range(2))
         assert one.controller.name == other.controller.name
