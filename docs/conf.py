@@ -44,6 +44,7 @@ EVIDENCE = (
     "calibration",
     "validation",
     "mujoco",
+    "transfer",
     "speed",
     "errata",
 )
