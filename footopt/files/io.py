@@ -24,13 +24,16 @@ Table = dict[str, list[str]]  # cells of a table by its columns
 
 
 def read_bytes(path: str | Path, setting: str) -> bytes:
-    """The content of a file, which `setting` names; `FileError` if it cannot be read."""
+    """The content of a file, which `setting` names; `FileError` if it cannot be read, or is empty."""
     try:
-        return Path(path).read_bytes()
+        content = Path(path).read_bytes()
     except (OSError, ValueError) as error:  # a path with a NUL in it is a ValueError
         raise FileError(
             f"{named(path, setting)}: cannot be read ({getattr(error, 'strerror', error)})."
         ) from None
+    if not content.strip():
+        raise FileError(f"{named(path, setting)}: is empty.")
+    return content
 
 
 def read_text(path: str | Path, setting: str) -> str:

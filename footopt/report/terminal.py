@@ -174,11 +174,13 @@ def headline(by: str, value: float, flat: float, under: Mapping[str, Sequence[fl
 
 def describe_errors(errors: Mapping[str, float], values: Mapping[str, float], model: Any) -> str:
     """The largest error of the numbers, and of the law for what it errs most in."""
-    exact = max(abs(error / values[name]) for name, error in errors.items() if values[name])
+    shares = [abs(error / values[name]) for name, error in errors.items() if values[name]]
+    exact = max(shares) if shares and all(map(math.isfinite, shares)) else math.nan
     poor = {name: error for name, error in (model or {}).items() if error and error > POOR and name in FIVE}
     named = ", ".join(name.replace("_", " ") for name in poor)
     law = f" Law: {named} err by up to {percent(max(poor.values()))}; compare feet." if poor else ""
-    return f"Numbers: exact to {percent(exact)}.{law}"
+    numbers = f"exact to {percent(exact)}" if math.isfinite(exact) else "no estimate of their errors"
+    return f"Numbers: {numbers}.{law}"
 
 
 def describe_foot(foot: Foot) -> str:

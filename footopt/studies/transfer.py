@@ -27,7 +27,7 @@ from footopt.walk.accuracy import AnyAccuracy, confirming, resolve
 
 Array = NDArray[np.float64]
 
-ENOUGH = 0.1  # of the objective: who loses less on the robot has the walker's answer as good as its own
+ENOUGH = 0.1  # of the objective: a smaller loss on the robot leaves the walker's foot as good as its own
 FLAT, WALKER, ROBOT = "flat", "walker", "robot"
 CAPTION = (
     "What each foot loses against the better one of the two designed feet, walked on the walker and on the "

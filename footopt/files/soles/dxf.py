@@ -24,6 +24,8 @@ def read(path: Path, units: str | None, scale: float) -> Iterator[Line]:
     from ezdxf.disassemble import recursive_decompose
 
     content = read_bytes(path, "foot.path")
+    if content.startswith(b"AutoCAD Binary DXF"):
+        raise Unusable("is a binary DXF file. Save it as text (ASCII) DXF.")
     if content.rstrip()[-3:] != b"EOF":
         raise Unusable("cannot be read as DXF (it does not end with EOF: is it cut off?).")
     logging.getLogger("ezdxf").setLevel(logging.ERROR)  # it logs each fault that it mends
