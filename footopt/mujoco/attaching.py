@@ -16,6 +16,7 @@ from footopt.errors import SettingError, needed
 from footopt.foot import Foot, Plates
 from footopt.mujoco.callback import ATTACHED, MOST, callback, compiled, functions
 from footopt.mujoco.faces import COLUMNS
+from footopt.mujoco.implicit import ROOM
 from footopt.mujoco.intrusion import Grains, xi_of
 from footopt.mujoco.step import BODY, COUNTED, END, FREEDOM, MEAN, STEP, TRACED, Workspace
 from footopt.sand import Sand
@@ -53,7 +54,8 @@ class Contact:
     effects : sequence of Effect
         As in a `Scene`; the sand holds by bristles, whether an effect says over which length or not.
     plates : int, 1
-        Of a sole: half of them along each of two lines, where Gauss's rule has them across the width.
+        Of a sole: half of them along each of two lines, where Gauss's rule has them across the width; one
+        line in the middle stands for both where no foot can leave the plane of x and z.
     traced : int
         How many steps are kept in `trace`, from the first one on.
     remembers : bool
@@ -89,15 +91,17 @@ class Contact:
         if found.tilt:
             raise SettingError("effects", "an inclined plane", "on a level one", "Tilt model.opt.gravity.")
         bodies, tables, first, soles = np.zeros(len(feet), BODY), [], 0, dict[int, Array]()
-        for body, (name, foot) in zip(bodies, feet.items(), strict=True):
-            row = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name)
-            if row < 0:
-                names = [model.body(i).name for i in range(1, model.nbody)]
-                raise SettingError("feet", name, f"the name of a body: {', '.join(names)}")
+        rows = [mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name) for name in feet]
+        if min(rows) < 0:
+            names = [model.body(i).name for i in range(1, model.nbody)]
+            name = list(feet)[rows.index(-1)]
+            raise SettingError("feet", name, f"the name of a body: {', '.join(names)}")
+        self.lines = 1 if _in_one_plane(mujoco, model, data, rows) else 2
+        for body, row, foot in zip(bodies, rows, feet.values(), strict=True):
             if isinstance(foot, Foot):
                 if id(foot) not in soles:  # both feet often have one
                     cut = foot.plates(plates // 2, directed=True, fill=reshaping(scene.effects))
-                    soles[id(foot)] = _sole(cut, foot.width)
+                    soles[id(foot)] = _sole(cut, foot.width, self.lines)
                 table = soles[id(foot)]
                 body["law"] = g * np.array(found.law)
             else:
@@ -116,7 +120,9 @@ class Contact:
             data.xpos, data.xmat.reshape(-1, 9), data.qvel[None], data.qfrc_passive[None],
             np.concatenate(tables)[None], np.zeros((3, 3 * first)), np.zeros((6, n)),
             np.zeros((n, model.nv)), np.zeros((n // 6, 9)), np.full((traced, n), np.nan),
-            np.zeros((traced * remembers, 3 * first)),
+            np.zeros((traced * remembers, 3 * first)), np.zeros((3, n), np.int64), np.zeros((1, data.M.size)),
+            np.zeros((model.nv, n)), np.zeros((1, model.nv)), np.zeros((n, n)), np.zeros((n, 6)),
+            np.zeros((n + 1, n + 1)), np.zeros((ROOM, n)),
         )  # fmt: skip
         self.data, self.names, self._bodies = data, tuple(feet), bodies
         self.acting = found.effects
@@ -181,11 +187,24 @@ class Contact:
 attach = Contact
 
 
-def _sole(cut: Plates, width: float) -> Array:
+def _in_one_plane(mujoco: Any, model: Any, data: Any, rows: list[int]) -> bool:
+    """Whether bodies move in x and z alone, which are axes of theirs: an axis that turns would turn them."""
+    probe, moved, turned = mujoco.MjData(model), *np.zeros((2, 3, model.nv))
+    probe.qpos[:] = data.qpos
+    mujoco.mj_kinematics(model, probe)
+    mujoco.mj_comPos(model, probe)
+    for row in rows:
+        mujoco.mj_jacBody(model, probe, moved, turned, row)
+        if moved[1].any() or turned[::2].any() or probe.xmat[row, 1::2].any() or not moved.any():
+            return False
+    return True
+
+
+def _sole(cut: Plates, width: float, lines: int) -> Array:
     """The faces of a sole, (10, plates), as `faces.forces` takes them."""
-    x, z, c2, s2, area, tx, tz = (np.tile(column[0], 2) for column in cut[:7] if column is not None)
-    y = np.repeat([-1.0, 1.0], len(x) // 2) * width / (2.0 * np.sqrt(3.0))
-    return np.array([x, y, z, 0.5 * area, tz, 0 * x, -tx, 0.5 - 0.5 * c2, -0.5 * s2, 0.5 + 0.5 * c2])
+    x, z, c2, s2, area, tx, tz = (np.tile(column[0], lines) for column in cut[:7] if column is not None)
+    y = np.repeat([-1.0, 1.0] if lines == 2 else [0.0], len(cut.x[0])) * width / (2.0 * np.sqrt(3.0))
+    return np.array([x, y, z, area / lines, tz, 0 * x, -tx, 0.5 - 0.5 * c2, -0.5 * s2, 0.5 + 0.5 * c2])
 
 
 def _mesh(mujoco: Any, model: Any, body: int, name: str) -> Array:

@@ -20,7 +20,7 @@ from footopt.compiled import kept
 from footopt.errors import needed
 from footopt.mujoco import step as steps
 from footopt.mujoco.implicit import solve
-from footopt.mujoco.step import BODY, FREEDOM, HOLD, MEAN, STEP, Workspace, align, product
+from footopt.mujoco.step import BODY, FREEDOM, HOLD, MEAN, STEP, Workspace, align
 from footopt.walk.own_code import own_code
 
 MOST, ARRAYS = 256, len(Workspace._fields)  # models on sand at once in one process, and arrays of each
@@ -54,18 +54,30 @@ pointer, call = intrinsic(_pointer), intrinsic(_call)
 
 
 @njit
-def _numbers(table, row):
-    """An array of numbers at its address, with its shape."""
-    return carray(pointer(table[row, 0]), (table[row, 1], table[row, 2]), np.float64)
+def _numbers(row):
+    """The array of numbers whose address and shape are in a row."""
+    return carray(pointer(row[0]), (row[1], row[2]), np.float64)
+
+
+@njit
+def _whole(row):
+    """The same of whole numbers."""
+    return carray(pointer(row[0]), (row[1], row[2]), np.int64)
+
+
+@lru_cache(maxsize=1)
+def library() -> ctypes.CDLL:
+    """MuJoCo's."""
+    folder = Path(needed("mujoco", "footopt.mujoco", "mujoco").__file__).parent
+    paths = [p for name in ("libmujoco*.so*", "libmujoco*.dylib", "mujoco.dll") for p in folder.glob(name)]
+    return ctypes.CDLL(str(paths[0]))
 
 
 @lru_cache(maxsize=1)
 def functions() -> tuple[int, int, int]:
     """Addresses of mj_getState and mj_jacBody, and 0."""
-    folder = Path(needed("mujoco", "footopt.mujoco", "mujoco").__file__).parent
-    paths = [p for name in ("libmujoco*.so*", "libmujoco*.dylib", "mujoco.dll") for p in folder.glob(name)]
-    library = ctypes.CDLL(str(paths[0]))
-    state, jacobian = (ctypes.cast(f, ctypes.c_void_p) for f in (library.mj_getState, library.mj_jacBody))
+    given = library().mj_getState, library().mj_jacBody
+    state, jacobian = (ctypes.cast(function, ctypes.c_void_p) for function in given)
     return state.value or 0, jacobian.value or 0, 0
 
 
@@ -79,12 +91,13 @@ def compiled(effects: bytes) -> Any:
         step = carray(pointer(table[0, 0]), (table[0, 1],), STEP)
         bodies = carray(pointer(table[1, 0]), (table[1, 1],), BODY)
         freedoms = carray(pointer(table[2, 0]), (table[2, 1],), FREEDOM)
-        columns = carray(pointer(table[3, 0]), (table[3, 1], table[3, 2]), np.int64)
         space = Workspace(
-            step, bodies, freedoms, columns, _numbers(table, 4), _numbers(table, 5), _numbers(table, 6),
-            _numbers(table, 7), _numbers(table, 8), _numbers(table, 9), _numbers(table, 10),
-            _numbers(table, 11), _numbers(table, 12), _numbers(table, 13), _numbers(table, 14),
-            _numbers(table, 15),
+            step, bodies, freedoms, _whole(table[3]), _numbers(table[4]), _numbers(table[5]),
+            _numbers(table[6]), _numbers(table[7]), _numbers(table[8]), _numbers(table[9]),
+            _numbers(table[10]), _numbers(table[11]), _numbers(table[12]), _numbers(table[13]),
+            _numbers(table[14]), _numbers(table[15]), _whole(table[16]), _numbers(table[17]),
+            _numbers(table[18]), _numbers(table[19]), _numbers(table[20]), _numbers(table[21]),
+            _numbers(table[22]), _numbers(table[23]),
         )  # fmt: skip
         call(table[ARRAYS, 0], (model, data, time.ctypes.data, np.int32(1)))  # mjSTATE_TIME
         meaning = steps.meaning_of(step[0], time[0])
@@ -98,7 +111,9 @@ def compiled(effects: bytes) -> Any:
             solve(space, acting)
         if meaning != HOLD:
             steps.leave_trace(space)
-        space.passive[0] += product(space.jacobian.T, space.vectors[MEAN])
+        for i in range(len(space.jacobian)):
+            for k in range(space.jacobian.shape[1]):
+                space.passive[0, k] += space.jacobian[i, k] * space.vectors[MEAN, i]
 
     passive.__qualname__ = f"passive_{hashlib.sha256(effects).hexdigest()[:16]}"  # a file of its own
     function = CFunc(passive, ((types.intp,) * 3, types.void), {}, {"error_model": "numpy"})
@@ -118,5 +133,6 @@ def callback() -> Any:
         for row in range(MOST):
             if table[row, 0] == data:
                 call(table[row, 2], (model, data, table[row, 1]))
+                return
 
     return passive.ctypes

@@ -13,27 +13,30 @@ and dampers of joints and servos pull back since. MuJoCo is given the mean of F.
 
 from __future__ import annotations
 
-import numpy as np
-
 from footopt.compiled import called_fast, inlined_fast
 from footopt.effects import Laws
 from footopt.mujoco.faces import COLUMNS, cross, dot, forces, moved, plus
-from footopt.mujoco.step import BEFORE, END, FREE, GAINED, MEAN, TWIST, inner, of_body, product
+from footopt.mujoco.step import BEFORE, END, FREE, GAINED, MEAN, TWIST, inner, of_body
 from footopt.walk.contact import rsqrt
-from footopt.walk.state import write
 from footopt.walk.steppers.implicit import SDIRK2
 
 GAMMA = SDIRK2().gamma
 MAX_NEWTON = 100  # evaluations of one stage, line search included
+#: Rows of `Workspace.room`, of the twists and wrenches of the near bodies.
+BASE, START, FREELY, AHEAD, TWISTS, FORCES, SUM, LOAD, DV, DLOAD, REST, WAY, ROOM = range(13)
 TIGHT = 1e-3  # last step of Newton's method over the speed of the feet; forces err by its square
 
 
 @called_fast
-def responses(space, jacobian):
-    """inv(M + dt D) J', by L' L along the tree of joints (Featherstone 2008, section 6.5)."""
-    freedoms, columns, m, x = space.freedoms, space.columns[0], space.inertia[0].copy(), jacobian.T.copy()
-    for freedom in freedoms:
-        m[freedom.last] += space.step[0].dt * freedom.implicit
+def responses(space, rows):
+    """inv(M + dt D) J' of rows of J by L' L along the tree of joints (Featherstone 2008, section 6.5)."""
+    freedoms, columns, m, x, n = space.freedoms, space.columns[0], space.factor[0], space.answers, len(rows)
+    for a in range(len(m)):
+        m[a] = space.inertia[0, a]
+    for k in range(len(freedoms)):
+        m[freedoms[k].last] += space.step[0].dt * freedoms[k].implicit
+        for j in range(n):
+            x[k, j] = space.jacobian[rows[j], k]
     for k in range(len(freedoms) - 1, -1, -1):
         first, last = freedoms[k].first, freedoms[k].last
         m[last] = 1.0 / m[last]
@@ -43,15 +46,14 @@ def responses(space, jacobian):
             for j in range(i.last - i.first + 1):  # ancestors of an ancestor come first in a row
                 m[i.first + j] -= share * m[first + j]
             m[a] *= m[last]
-            for j in range(x.shape[1]):
+            for j in range(n):
                 x[columns[a], j] -= m[a] * x[k, j]
     for k in range(len(freedoms)):
-        for j in range(x.shape[1]):
+        for j in range(n):
             x[k, j] *= m[freedoms[k].last]
         for a in range(freedoms[k].first, freedoms[k].last):
-            for j in range(x.shape[1]):
+            for j in range(n):
                 x[k, j] -= m[a] * x[columns[a], j]
-    return x
 
 
 @inlined_fast
@@ -62,22 +64,25 @@ def surface_of(body, axes, way):
 
 
 @called_fast
-def solution(mobility, stiffness, c, rest, a, y):
-    """Solve (1 - c W dF/dV) y = c W rest by elimination with pivots, in the room a (n, n + 1).
+def solution(space, moves, c, rest, y):
+    """Solve (1 - c W dF/dV) y = c W rest by elimination with pivots, for what moves; the rest of y stays 0.
 
     That takes a quarter of LAPACK's time, and nothing is allocated: arrays cost as much as what is in them.
     """
-    n = len(y)
-    for i in range(n):
-        for first in range(0, n, 6):  # a wrench follows the twist of its own body
+    a, n = space.system, len(moves)
+    for p in range(n):
+        row, all_columns = space.mobility[p], space.system[len(a) - 1]
+        for i in range(len(rest)):
+            all_columns[i] = 0.0
+        for q in range(n):  # a wrench follows the twist of its own body
+            r = moves[q]
+            share, first = -c * row[r], r - r % 6
             for j in range(6):
-                a[i, first + j] = 0.0
-            for m in range(first, first + 6):
-                share = -c * mobility[i, m]
-                for j in range(6):
-                    a[i, first + j] += share * stiffness[m, j]
-        a[i, i] += 1.0
-        a[i, n] = c * inner(mobility[i], rest)
+                all_columns[first + j] += share * space.stiffness[r, j]
+        for q in range(n):
+            a[p, q] = all_columns[moves[q]]
+        a[p, p] += 1.0
+        a[p, n] = c * inner(row[: len(rest)], rest)
     for i in range(n):
         best = i
         for j in range(i + 1, n):
@@ -92,35 +97,38 @@ def solution(mobility, stiffness, c, rest, a, y):
             for m in range(i, n + 1):
                 a[j, m] -= factor * a[i, m]
     for i in range(n - 1, -1, -1):
-        y[i] = (a[i, n] - inner(a[i, i + 1 : n], y[i + 1 :])) / a[i, i]
+        for j in range(i):
+            a[j, n] -= a[j, i] * (a[i, n] / a[i, i])
+        y[moves[i]] = a[i, n] / a[i, i]
 
 
 @called_fast
-def newton(space, effects, near, mobility, base, v0, v, c, turn, h0, f):
+def newton(space, effects, near, moves, c, turn, h0, v0, v, f):
     """Solve v = v0 + c W f, f = F(v), for the near bodies' twists v and wrenches, from f; whether it can be.
 
     Sand resists motion, so that dv . (F - f) falls along a step dv: a step is cut where it changes its sign,
     as where a face comes to rest. The size of F - f rises there.
     """
-    n, load, meshed = len(v), f.copy(), Laws(effects.loads, None, effects.pushes)
-    stiffness, wide, dv, dload = np.zeros((n, 6)), np.ones(n), np.zeros(n), np.zeros(n)
-    way, rest, room = np.zeros(n), np.zeros(n), np.zeros((n, n + 1))
+    n, room, stiffness = len(f), space.room, space.stiffness
+    load, dv, dload, rest = room[LOAD, :n], room[DV, :n], room[DLOAD, :n], room[REST, :n]
     slope, t, low, high, at_low, at_high = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0  # of a step: 0 before, 1 in full
     for i in range(n):
-        wide[i] = space.bodies[near[i // 6]].reach if i % 6 > 2 else 1.0  # makes speeds of twists
-    write(v, v0 + c * product(mobility, load))
+        load[i], dv[i], v[i] = f[i], 0.0, 0.0
+    for p in range(len(moves)):
+        v[moves[p]] = v0[moves[p]] + c * inner(space.mobility[p, :n], load)
     for _ in range(MAX_NEWTON):
         space.step[0].evaluations += 1
-        for i in range(n):
-            way[i] = base[i] + c * v[i]
         for k in range(len(near)):
-            body, axes, six = space.bodies[near[k]], space.frame[near[k]], slice(6 * k, 6 * k + 6)
+            body, axes, six = space.bodies[near[k]], space.frame[near[k]], v[6 * k : 6 * k + 6]
             up, x = (axes[6], axes[7], axes[8]), (axes[0], axes[1], axes[2])
-            surface, forward = surface_of(body, axes, way[six]), (space.places[body.row, 0], x)
+            way = room[WAY, 6 * k : 6 * k + 6]
+            for i in range(6):
+                way[i] = room[BASE, 6 * k + i] + c * six[i]
+            surface, forward = surface_of(body, axes, way), (space.places[body.row, 0], x)
             faces, h = of_body(space.faces[0], body, COLUMNS), of_body(h0, body, 3)
-            state = faces, body.law, up, surface, forward, v[six], c, turn, h
+            state = faces, body.law, up, surface, forward, six, c, turn, h
             if body.mesh:
-                total, rows = forces(body.friction, meshed, *state)
+                total, rows = forces(body.friction, Laws(effects.loads, None, effects.pushes), *state)
             else:
                 total, rows = forces(None, effects, *state)
             for i in range(6):
@@ -137,9 +145,9 @@ def newton(space, effects, near, mobility, base, v0, v, c, turn, h0, f):
                 low, at_low, at_high = t, gain, 0.5 * at_high
             share = low + (high - low) * at_low / (at_low - at_high) - t
         else:
-            solution(mobility, stiffness, c, rest, room, dv)
+            solution(space, moves, c, rest, dv)
             for i in range(n):
-                dload[i] = rest[i] + inner(stiffness[i], dv[i - i % 6 :])
+                dload[i] = rest[i] + inner(stiffness[i], dv[i - i % 6 : i - i % 6 + 6])
             at_low = slope = inner(dv, rest)
             share, t, low, high, at_high = 1.0, 0.0, 0.0, 1.0, 0.0
         t += share
@@ -147,28 +155,25 @@ def newton(space, effects, near, mobility, base, v0, v, c, turn, h0, f):
         for i in range(n):
             v[i] += share * dv[i]
             load[i] += share * dload[i]
-            speed, change = max(speed, abs(wide[i] * v[i])), max(change, abs(wide[i] * dv[i]))
+            wide = space.bodies[near[i // 6]].reach if i % 6 > 2 else 1.0  # makes speeds of twists
+            speed, change = max(speed, abs(wide * v[i])), max(change, abs(wide * dv[i]))
         if share == 1.0 and change <= TIGHT * speed + 1e-13:
-            write(f, load)  # forces follow the last change to first order
+            for i in range(n):
+                f[i] = load[i]  # forces follow the last change to first order
             return True
     return False
 
 
-@called_fast
-def stage(space, effects, near, mobility, base, v0, v, c, before, after, share, f):
-    """Solve an implicit stage of length c; bend bristles from before to after by a share, 0 in the air."""
-    turn = c / space.step[0].length
-    if not newton(space, effects, near, mobility, base, v0, v, c, turn, before, f):
-        space.step[0].failures += 1
-    way = base + c * v
+@inlined_fast
+def bend(space, near, v, c, turn, before, after, share):
+    """Bend bristles from before to after by a share, 0 in the air, where bodies have moved with twists v."""
     for k in range(len(near)):
-        body, twist = space.bodies[near[k]], v[6 * k : 6 * k + 6]
-        surface = surface_of(body, space.frame[near[k]], way[6 * k : 6 * k + 6])
-        faces, h, new = (
-            of_body(space.faces[0], body, COLUMNS),
-            of_body(before, body, 3),
-            of_body(after, body, 3),
-        )
+        body, way, twist = space.bodies[near[k]], space.room[WAY, 6 * k : 6 * k + 6], v[6 * k : 6 * k + 6]
+        for i in range(6):
+            way[i] = space.room[BASE, 6 * k + i] + c * twist[i]
+        surface = surface_of(body, space.frame[near[k]], way)
+        faces, h = of_body(space.faces[0], body, COLUMNS), of_body(before, body, 3)
+        new = of_body(after, body, 3)
         for i in range(faces.shape[1]):
             r, _, bent = moved(faces, h, i, twist, turn)
             q = rsqrt(max(dot(bent, bent), 1.0))
@@ -177,25 +182,80 @@ def stage(space, effects, near, mobility, base, v0, v, c, before, after, share, 
                 new[a, i] = inside * (h[a, i] + share * (bent[a] * q - h[a, i]))
 
 
+@inlined_fast
+def chosen(space):
+    """The bodies near the sand, and those rows of their twists in which the robot can move."""
+    near, moves, rows, bodies, n = space.chosen[0], space.chosen[1], space.chosen[2], 0, 0
+    for b in range(len(space.bodies)):
+        if space.bodies[b].near:
+            near[bodies] = b
+            for i in range(6):
+                able = False
+                for k in range(space.jacobian.shape[1]):
+                    able = able or space.jacobian[6 * b + i, k] != 0.0
+                if able:
+                    moves[n], rows[n] = 6 * bodies + i, 6 * b + i
+                    n += 1
+            bodies += 1
+    return near[:bodies], moves[:n], rows[:n]
+
+
 @called_fast
 def solve(space, effects):
     """Find the mean wrenches of a step on the bodies."""
-    dt, vectors, h = space.step[0].dt, space.vectors, space.bristles
-    c, r, near = GAMMA * dt, (1.0 - GAMMA) * dt, np.flatnonzero(space.bodies.near)
-    rows = (6 * near.reshape(-1, 1) + np.arange(6)).ravel()
-    jacobian = space.jacobian[rows]
-    answer = responses(space, jacobian)
-    mobility = jacobian @ answer
-    v0, a = vectors[TWIST][rows], vectors[FREE][rows] - product(answer.T, space.freedoms["pull"])
-    base, one, two, f1 = -0.5 * dt * v0, np.zeros(len(v0)), np.zeros(len(v0)), vectors[BEFORE][rows]
-    stage(space, effects, near, mobility, base, v0 + c * a, one, c, h[0], h[1], r / c, f1)
-    f2, start = f1.copy(), v0 + dt * a + r * product(mobility, f1)
-    stage(space, effects, near, mobility, base + r * one, start, two, c, h[1], h[2], 1.0, f2)
-    mean = (1.0 - GAMMA) * f1 + GAMMA * f2
-    for i in range(len(rows)):
-        vectors[MEAN, rows[i]], vectors[END, rows[i]] = mean[i], f2[i]
-    write(vectors[GAINED], product(space.jacobian, product(answer, mean)))
+    dt, vectors, h, room = space.step[0].dt, space.vectors, space.bristles, space.room
+    c, r = GAMMA * dt, (1.0 - GAMMA) * dt
+    near, moves, rows = chosen(space)
+    n, x = 6 * len(near), space.answers
+    responses(space, rows)
+    base, v0, a, mean = room[BASE, :n], room[START, :n], room[FREELY, :n], room[SUM, :n]
+    for p in range(len(moves)):
+        row, own = space.mobility[p], space.jacobian[rows[p]]
+        for i in range(n):
+            row[i] = 0.0
+        for k in range(len(own)):
+            for q in range(len(moves)):
+                row[moves[q]] += own[k] * x[k, q]
+    for i in range(n):
+        row = 6 * near[i // 6] + i % 6
+        v0[i], room[FORCES, i] = vectors[TWIST, row], vectors[BEFORE, row]
+        base[i] = -0.5 * dt * v0[i]
+    for p in range(len(moves)):
+        a[moves[p]] = vectors[FREE, rows[p]]
+    for k in range(len(space.freedoms)):
+        for p in range(len(moves)):
+            a[moves[p]] -= x[k, p] * space.freedoms[k].pull
+    for i in range(n):
+        mean[i] = 0.0
     for k in range(len(near)):
-        body, six = space.bodies[near[k]], slice(6 * k, 6 * k + 6)
-        body.power = np.sum(f2[six] * two[six])
-        body.pending = r * np.sum(f1[six] * one[six]) + c * body.power
+        space.bodies[near[k]].pending = 0.0
+    for stage in range(2):  # of SDIRK2
+        v, f, share = room[TWISTS, :n], room[FORCES, :n], 1.0 if stage else r / c
+        weight = c if stage else r
+        for p in range(len(moves)):
+            i = moves[p]
+            room[AHEAD, i] = v0[i] + (dt if stage else c) * a[i]
+            if stage:
+                room[AHEAD, i] += r * inner(space.mobility[p, :n], f)
+                base[i] += r * v[i]
+        turn = c / space.step[0].length
+        if not newton(space, effects, near, moves, c, turn, h[stage], room[AHEAD, :n], v, f):
+            space.step[0].failures += 1
+        bend(space, near, v, c, turn, h[stage], h[stage + 1], share)
+        for k in range(len(near)):
+            six = slice(6 * k, 6 * k + 6)
+            space.bodies[near[k]].power = inner(f[six], v[six])
+            space.bodies[near[k]].pending += weight * space.bodies[near[k]].power
+        for i in range(n):
+            mean[i] += weight / dt * f[i]
+    for i in range(n):
+        row = 6 * near[i // 6] + i % 6
+        vectors[MEAN, row], vectors[END, row] = mean[i], room[FORCES, i]
+    gained = space.gained[0]
+    for k in range(len(gained)):
+        gained[k] = 0.0
+    for p in range(len(moves)):
+        for k in range(len(gained)):
+            gained[k] += x[k, p] * mean[moves[p]]
+    for i in range(len(vectors[GAINED])):
+        vectors[GAINED, i] = inner(space.jacobian[i], gained)

@@ -262,7 +262,7 @@ class Robot(Simulator):
             power=found.sand[:end, :, 3],
             work=found.sand[:end, :, 4],
             start=found.com[0, AXES],
-            bristles=bristles_in_world(found.bristles[:end], turned),
+            bristles=bristles_in_world(found.bristles[:end], turned, accuracy.plates),
             reason=found.reason,
             totals={name: found.totals.get(name, math.nan) for name in self.quantities},
             evaluations=found.evaluations,

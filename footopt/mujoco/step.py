@@ -12,7 +12,6 @@ import numpy as np
 
 from footopt.compiled import called_fast, inlined, inlined_fast
 from footopt.mujoco.faces import COLUMNS, X, Y, Z, cross, dot, plus
-from footopt.walk.state import write
 
 AGAIN, NEW, HOLD, RESTART = range(4)
 
@@ -91,6 +90,14 @@ class Workspace(NamedTuple):
     frame: Any  # (b, 9): as attitude, in the middle of the step
     trace: Any  # (rows, 6 b): of each step until it is full, of each body `TRACED`
     history: Any  # (rows, 3 p): bristles at the ends of steps
+    chosen: Any  # (3, 6 b): bodies near the sand, and rows of their twists that move, of those and of all
+    factor: Any  # (1, nC): of the inertia
+    answers: Any  # (nv, 6 b): accelerations by wrenches, of the rows that move
+    gained: Any  # (1, nv): by the mean ones
+    mobility: Any  # (6 b, 6 b): W, of the rows that move
+    stiffness: Any  # (6 b, 6): dF/dV of the near bodies
+    system: Any  # (6 b + 1, 6 b + 1): of equations
+    room: Any  # (`implicit.ROOM`, 6 b)
 
 
 @inlined
@@ -127,15 +134,6 @@ def inner(a, b):
 
 
 @inlined_fast
-def product(a, x):
-    """a x: of few numbers, in a third of BLAS's time."""
-    out = np.zeros(len(a))
-    for i in range(len(a)):
-        out[i] = inner(a[i], x)
-    return out
-
-
-@inlined_fast
 def align(space):
     """Turn the Jacobian from the world's axes to the bodies' own ones in the middle of the step."""
     for i in range(0, len(space.jacobian), 3):
@@ -149,47 +147,60 @@ def align(space):
 @called_fast
 def begin(space, meaning):
     """Begin a step, after a RESTART with all sunk straight down; whether a body may touch sand."""
-    step, vectors, twist = space.step[0], space.vectors, product(space.jacobian, space.velocity[0])
+    step, vectors, velocity, any_near = space.step[0], space.vectors, space.velocity[0], False
     late = 0.5 * step.dt * step.rk4  # from MuJoCo's places to the middle
     for b in range(len(space.bodies)):
-        body, (_, _, vz, wx, wy, wz) = space.bodies[b], twist[6 * b : 6 * b + 6]
+        body, rows = space.bodies[b], space.jacobian[6 * b : 6 * b + 6]
+        vz, spin = (
+            inner(rows[2], velocity),
+            (inner(rows[3], velocity), inner(rows[4], velocity), inner(rows[5], velocity)),
+        )
         axes, height, frame = space.attitude[body.row], space.places[body.row, 2], space.frame[b]
         for a in range(3):
             axis = axes[a], axes[3 + a], axes[6 + a]
-            frame[a], frame[3 + a], frame[6 + a] = plus(axis, late, cross((wx, wy, wz), axis))
+            frame[a], frame[3 + a], frame[6 + a] = plus(axis, late, cross(spin, axis))
         body.height = height + late * vz
-        margin, low = 2.0 * step.dt * (abs(vz) + (abs(wx) + abs(wy)) * body.reach + 10.0 * step.dt), np.inf
+        turned = abs(spin[0]) + abs(spin[1])
+        margin, low = 2.0 * step.dt * (abs(vz) + turned * body.reach + 10.0 * step.dt), np.inf
         if height - body.reach < margin:
             faces, up = of_body(space.faces[0], body, COLUMNS), (axes[6], axes[7], axes[8])
             for i in range(faces.shape[1]):
                 low = min(low, height + dot(up, (faces[X, i], faces[Y, i], faces[Z, i])))
         body.depth, body.near = max(-low, 0.0), low < margin
+        any_near = any_near or low < margin
         if meaning == NEW:
             body.work += body.pending
         elif meaning == RESTART:
+            bristles = of_body(space.bristles[2], body, 3)
             for a in range(3):
-                of_body(space.bristles[2], body, 3)[a] = -frame[6 + a]
+                for i in range(bristles.shape[1]):
+                    bristles[a, i] = -frame[6 + a]
         body.power = body.pending = 0.0
     align(space)
-    twist = product(space.jacobian, space.velocity[0])
-    if meaning == NEW:
-        step.steps += 1
-        write(vectors[BEFORE], vectors[MEAN])  # `=` compiles for seconds
-        write(vectors[FREE], (twist - vectors[TWIST]) / step.dt - vectors[GAINED])
-    elif meaning == RESTART:
-        step.restarts += 1
-        vectors[BEFORE:] = 0.0
-        for b in range(len(space.bodies)):
-            write(vectors[FREE, 6 * b : 6 * b + 3], step.gravity @ space.frame[b].reshape(3, 3))
-    write(vectors[TWIST], twist)
+    step.steps += meaning == NEW
+    step.restarts += meaning == RESTART
+    for i in range(vectors.shape[1]):
+        twist, frame = inner(space.jacobian[i], velocity), space.frame[i // 6]
+        if meaning == NEW:
+            vectors[BEFORE, i] = vectors[MEAN, i]
+            vectors[FREE, i] = (twist - vectors[TWIST, i]) / step.dt - vectors[GAINED, i]
+        elif meaning == RESTART:
+            vectors[BEFORE, i] = vectors[FREE, i] = 0.0
+            if i % 6 < 3:
+                g, a = step.gravity, i % 6
+                vectors[FREE, i] = dot((g[0], g[1], g[2]), (frame[a], frame[3 + a], frame[6 + a]))
+        vectors[TWIST, i] = twist
+        vectors[GAINED, i] = vectors[MEAN, i] = vectors[END, i] = 0.0
     if meaning != AGAIN:
         for k in range(len(space.freedoms)):
-            freedom, speed = space.freedoms[k], space.velocity[0, k]
+            freedom, speed = space.freedoms[k], velocity[k]
             pull = freedom.damping * (speed - freedom.speed) + step.dt * freedom.stiffness * speed
             freedom.pull, freedom.speed = pull if meaning == NEW else 0.0, speed
-        write(space.bristles[0], space.bristles[2])
-    vectors[GAINED:] = space.bristles[2] = 0.0
-    return np.any(space.bodies.near)
+    for i in range(space.bristles.shape[1]):
+        if meaning != AGAIN:
+            space.bristles[0, i] = space.bristles[2, i]
+        space.bristles[2, i] = 0.0
+    return any_near
 
 
 @called_fast
@@ -205,4 +216,5 @@ def leave_trace(space):
             out[a] = dot((axes[3 * a], axes[3 * a + 1], axes[3 * a + 2]), f)
         out[3], out[4], out[5] = body.power, body.work + body.pending, body.depth
     if row < len(space.history):
-        write(space.history[row], space.bristles[2])
+        for i in range(space.bristles.shape[1]):
+            space.history[row, i] = space.bristles[2, i]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,6 +17,7 @@ from footopt.errors import SettingError, needed
 from footopt.foot import Foot
 from footopt.gait.gait import Pose
 from footopt.mujoco.attaching import Contact
+from footopt.mujoco.callback import library
 from footopt.mujoco.controllers import Tracker
 from footopt.mujoco.model import ACTUATOR, COM, UPRIGHT, VELOCITY, Model
 from footopt.walk.accuracy import Accuracy
@@ -49,14 +51,19 @@ class Found(NamedTuple):
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """Of walks that diverge, MuJoCo neither warns nor writes a log: they have a reason."""
+    """Of walks that diverge, MuJoCo neither warns nor writes a log: they have a reason.
+
+    Nor does it look at the clock in every part of a step, which takes a twentieth of a walk.
+    """
     mujoco = needed("mujoco", "fo.mujoco.Robot", "mujoco")
-    before = mujoco.get_mju_user_warning()
+    before, clock = mujoco.get_mju_user_warning(), ctypes.c_void_p.in_dll(library(), "mjcb_time")
+    timer, clock.value = clock.value, None
     mujoco.set_mju_user_warning(lambda message: None)
     try:
         yield
     finally:
         mujoco.set_mju_user_warning(before)
+        clock.value = timer
 
 
 def walk(robot: Any, foot: Foot | None, accuracy: Accuracy, end: float, traced: bool = False) -> Found:
@@ -238,8 +245,8 @@ def poses(robot: Any, dt: float, states: Array) -> tuple[Array, Array]:
     return joints, turned
 
 
-def bristles_in_world(h: Array, turned: Array) -> NDArray[np.float32]:
-    """Bristles (T, feet, plates, 2) in x and z, the mean of both lines of plates, of those in feet's axes."""
-    x, z = (h[:, :, axis].reshape(*h.shape[:2], 2, -1).mean(axis=2) for axis in AXES)
+def bristles_in_world(h: Array, turned: Array, plates: int) -> NDArray[np.float32]:
+    """Bristles (T, feet, plates, 2) in x and z, the mean of all lines of plates, of those in feet's axes."""
+    x, z = (h[:, :, axis].reshape(*h.shape[:2], -1, plates).mean(axis=2) for axis in AXES)
     c, s = np.cos(turned)[..., None], np.sin(turned)[..., None]
     return np.stack([c * x - s * z, s * x + c * z], axis=-1).astype(np.float32)
