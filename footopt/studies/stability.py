@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,16 +20,17 @@ from footopt.errors import check
 from footopt.foot import Foot
 from footopt.report import terminal
 from footopt.report.figures.tables import verdicts
+from footopt.report.numbers import percent
 from footopt.studies.base import Study, foot_entry, scene_entry
 from footopt.studies.settings import Config
 from footopt.studies.stability_cases import CASES, Case
-from footopt.walk import FIVE, STEPPERS, Accuracy, Scene, Walk, evaluate, simulate
+from footopt.walk import FIVE, STEPPERS, Accuracy, Scene, Walk, simulate
 from footopt.walk.accuracy import AnyAccuracy
 from footopt.walk.balances import energy_gap, power_from_sand, sinking_speed, smoothing_power
 from footopt.walk.discretize import too_many_poses
 from footopt.walk.ladder import numerics
-from footopt.walk.objectives import FLOORS
-from footopt.walk.resolution import BEYOND, PROMISE
+from footopt.walk.objectives import sizes
+from footopt.walk.resolution import BEYOND, CAUSES, PROMISE, finer
 
 #: Of the time step, for explicit steppers, which evaluate no Jacobian and solve nothing: Euler then has the
 #: effort of SDIRK2 (two stages of 1-2 evaluations, with derivatives), Heun twice and RK4 four times as much.
@@ -48,10 +49,12 @@ LIMITS = {
     "rest": 3e-8,  # m/s: in half a minute a thousandth of a grain
     "place": 1e-4,  # m, by which the time step and the length of bristles may choose where it stands
 }
-SETTLED = 0.1  # of every limit: the last refinement of a truth changes no measure by more
-REFINED = range(1, 8)  # how often an accuracy is refined for a truth: at first, and at last
+SETTLED = 0.1  # of every limit: refinements of a truth change no measure by more
+TWICE = 2  # times in a row: once may be chance
+MOST_WORK = 3e8  # evaluations of a plate in a walk that is refined once more
 
-CAPTION = "Which method is stable in which case, with the measure that decides, as in the table."
+STANDS = "Behind a case: the change when its reference is refined once more."
+CAPTION = f"Which method is stable in which case, with the measure that decides, as in the table. {STANDS}"
 
 
 class Measure(NamedTuple):
@@ -69,14 +72,6 @@ class Measure(NamedTuple):
         return 0.0 if self.value == 0.0 else self.value / self.limit if self.limit else math.inf
 
 
-class Outcome(NamedTuple):
-    """How a walk ended: why it failed, and its objectives, or where a walker that stands is, x and z in m."""
-
-    reason: str
-    numbers: Mapping[str, float]
-    stands: float = 0.0  # of a truth: the largest measure over its limit that the last refinement made
-
-
 class Verdict(NamedTuple):
     """A case with a method: stable or not, and by which measure."""
 
@@ -84,7 +79,16 @@ class Verdict(NamedTuple):
     method: str
     measures: Sequence[Measure]
     walk: Walk
-    truth: Outcome
+    truth: Walk
+
+    @property
+    def row(self) -> str:
+        """The case, and by how much refinement still moves its reference."""
+        if self.truth.reason:
+            return self.case.name
+        value = next(m.value for m in self.measures if m.name == "truth")
+        length = f"{max(1e6 * value, 0.01):.1g} µm"
+        return f"{self.case.name} (±{length if stands_still(self.walk.scene) else percent(value)})"
 
     @property
     def decides(self) -> Measure:
@@ -113,13 +117,14 @@ def run(study: Study) -> None:
             simulate(study.foot, study.scene, replace(study.accuracy, stepper=stepper))
     with study.progress(len(cases) * len(methods), "walk") as step:
         found = [judge_case(case, base, methods, partial(step, news=case.name)) for case in cases]
-    faults = {case.name: [v.fault for v in row] for case, row in zip(cases, found, strict=True)}
+    faults = {row[0].row: [v.fault for v in row] for row in found}
     study.save("stability", verdicts(faults, methods), CAPTION)
     stable = {m: [row[i] for row in faults.values()].count("") for i, m in enumerate(methods)}
-    titles = ["case", *(method.replace("_", " ") for method in methods)]
+    titles = ["case, and its reference", *(method.replace("_", " ") for method in methods)]
     table = terminal.table(titles, titles)
     for name, row in faults.items():
-        table.add_row(name, *(Text(f"NO {fault}", "bold red") if fault else "ok" for fault in row))
+        told = (Text(f"NO {fault}", "bold red") if fault else "ok" for fault in row)
+        table.add_row(name.replace(" (±", "\n(±"), *told)
     table.add_section()
     table.add_row("stable cases", *(f"{count} of {len(cases)}" for count in stable.values()))
     study.conclude(
@@ -140,7 +145,7 @@ def run(study: Study) -> None:
                 for v in row
             ],
         },
-        summary=["Where a method is not stable: the measure that is furthest beyond its limit."],
+        summary=["Where a method is not stable: the measure that is furthest beyond its limit.", STANDS],
     )
 
 
@@ -166,53 +171,46 @@ def judge_case(
     foot, scene = case.foot() if case.foot else base[0], case.scene(base[1])
     own = replace(numerics(base[2], scene, foot), **case.accuracy)
     control, limit = own.control or CONTROL, BEYOND * (own.tolerance or PROMISE)
-    truth = find_truth(foot, scene, replace(own, stepper="sdirk2", control=control), case.accuracy, limit)
+    start = replace(own, stepper="sdirk2", control=control)
+    truth, stands = find_truth(foot, scene, start, case.accuracy, limit)
     found: list[Verdict] = []
     for method in methods:
         stepper, controlled = METHODS[method]
         dt = case.steps * own.dt * (1.0 if STEPPERS[stepper].implicit else EXPLICIT_SHARE)
         trial = replace(own, stepper=stepper, dt=dt, control=control if controlled else None)
         walk = simulate(foot, scene, trial)
-        found.append(Verdict(case, method, judge(walk, truth, limit), walk, truth))
+        found.append(Verdict(case, method, judge(walk, truth, stands, limit), walk, truth))
         step()
     return found
 
 
 def find_truth(
     foot: Foot, scene: Scene, accuracy: Accuracy, given: Mapping[str, Any], limit: float
-) -> Outcome:
-    """Refine a walk until it stands, but for what is given of the accuracy.
+) -> tuple[Walk, Measure]:
+    """Refine a walk until steps, plates and creep speed each change it little, but for what is given of them.
 
     A walker that stands keeps its creep speed, which is the law that it sinks by; its bristles are a tenth as
-    long. `limit` is that of the error of an objective.
+    long. `limit` is that of the error of an objective. The measure is what refinement still changes.
     """
     if stands_still(scene):
         effects: tuple[Any, ...] = scene.effects
         shorter = (replace(e, length=0.1 * e.length) if e.bristle_length else e for e in effects)
-        scene = replace(scene, effects=tuple(shorter))
+        scene, limit = replace(scene, effects=tuple(shorter)), LIMITS["place"]
         given = {"control": None, "creep": accuracy.creep, **given}
-    found, stands = list[Outcome](), math.inf
-    for times in REFINED:
-        finer = replace(accuracy.refined(times), **given)
-        if found and too_many_poses(scene, finer):
-            break
-        if stands_still(scene):
-            found.append(outcome_of(simulate(foot, scene, finer)))
-        else:  # without traces, which take memory
-            table = evaluate([foot], scene, finer, FIVE, threads=1)
-            found.append(Outcome(table.reasons[0], dict(zip(FIVE, table.values[0], strict=True))))
-        if len(found) > 1:
-            stands = max(measure.ratio for measure in compare(found[-2], found[-1], limit))
-        if stands <= SETTLED:
-            break
-    return found[-1]._replace(stands=stands)
-
-
-def outcome_of(walk: Walk) -> Outcome:
-    """The outcome of a walk with its traces."""
-    if stands_still(walk.scene):
-        return Outcome(walk.reason, {} if walk.reason else {"x": walk.com[-1, 0], "z": walk.com[-1, 1]})
-    return Outcome(walk.reason, {name: walk.objectives[name] for name in FIVE})
+    walked = cache(lambda one: replace(simulate(foot, scene, one), bristles=None))  # they take memory
+    now, stood, changes = replace(accuracy.refined(), **given), 0, dict.fromkeys(CAUSES, math.inf)
+    while True:
+        truth, ways = walked(now), {}
+        for cause, one in finer(now).items() if truth.evaluations * now.plates < MOST_WORK else ():
+            one = replace(one, **given)
+            if one.plates in (now.plates, 2 * now.plates) and not too_many_poses(scene, one):
+                changes[cause] = max(m.ratio for m in compare(walked(one), truth, limit))
+                ways[changes[cause]] = one
+        stands = Measure("truth", limit * sum(changes.values()), limit)
+        stood = stood + 1 if stands.ratio <= SETTLED else 0
+        if not ways or stood == TWICE:
+            return truth, stands
+        now = ways[max(ways)]
 
 
 def stands_still(scene: Scene) -> bool:
@@ -220,12 +218,9 @@ def stands_still(scene: Scene) -> bool:
     return math.isinf(scene.gait.start)
 
 
-def judge(walk: Walk, truth: Outcome, limit: float) -> list[Measure]:
-    """Measures of a walk, of which none is beyond its limit if it is stable.
-
-    `limit` is that of an objective's error.
-    """
-    found = [*compare(outcome_of(walk), truth, limit), Measure("truth", truth.stands, 1.0)]
+def judge(walk: Walk, truth: Walk, stands: Measure, limit: float) -> list[Measure]:
+    """Measures of a walk, of which none is beyond its limit if it is stable; `limit` as in `compare`."""
+    found = [*compare(walk, truth, limit), stands]
     if walk.reason or truth.reason:
         return found
     found.append(Measure("energy", energy_gap(walk), LIMITS["energy"]))
@@ -235,14 +230,17 @@ def judge(walk: Walk, truth: Outcome, limit: float) -> list[Measure]:
     return found + (_standing(walk) if stands_still(walk.scene) else [])
 
 
-def compare(own: Outcome, truth: Outcome, limit: float) -> list[Measure]:
-    """Measures of an outcome against the right one: its end, its objectives, or where the walker stands."""
-    if own.reason or truth.reason:
-        return [Measure(own.reason or "no failure", float(own.reason != truth.reason), 0.0)]
-    off = {name: abs(own.numbers[name] - exact) for name, exact in truth.numbers.items()}
-    if "x" in off:
-        return [Measure("place", math.hypot(off["x"], off["z"]), LIMITS["place"])]
-    errors = {name: off[name] / max(abs(truth.numbers[name]), FLOORS.get(name, 1e-3)) for name in off}
+def compare(walk: Walk, truth: Walk, limit: float) -> list[Measure]:
+    """Measures of a walk against the right one: its end, its objectives, or where the walker stands.
+
+    `limit` is that of the error of an objective.
+    """
+    if walk.reason or truth.reason:
+        return [Measure(walk.reason or "no failure", float(walk.reason != truth.reason), 0.0)]
+    if stands_still(walk.scene):
+        return [Measure("place", float(np.hypot(*(walk.com[-1] - truth.com[-1]))), LIMITS["place"])]
+    own, exact = (np.array([one.objectives[name] for name in FIVE]) for one in (walk, truth))
+    errors = dict(zip(FIVE, (np.abs(own - exact) / sizes(exact, walk.scene)).tolist(), strict=True))
     peak = errors.pop("peak_power")  # on its own: an impact may be shorter than a step
     return [Measure("error", max(errors.values()), limit), Measure("peak", peak, limit)]
 

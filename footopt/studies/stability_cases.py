@@ -95,7 +95,7 @@ CASES = (
     Case("at rest on zeta 500", standing(500.0, Rest(), Slope(5.0))),
     Case("2 kg", {"walker.mass": 2.0}),
     Case("500 kg", {"walker.mass": 500.0}),
-    Case("1 mg", {"walker.mass": 1e-6}),
+    Case("1 mg", {"walker.mass": 1e-6, "t_f": 1.7}),
     Case("zeta 100 under 2 kg", on_sand(100.0) | {"walker.mass": 2.0}),
     Case("gravity 1e4", {"walker.g": 1e4}),
     Case("a step ten times larger", steps=10.0),
