@@ -22,7 +22,7 @@ from footopt.mujoco.step import BODY, COUNTED, END, FREEDOM, MEAN, STEP, TRACED,
 from footopt.sand import Sand
 from footopt.sand.law import EARTH
 from footopt.walk.accuracy import Accuracy
-from footopt.walk.discretize import world
+from footopt.walk.discretize import compiled_once, world
 from footopt.walk.scene import Scene
 
 Array = NDArray[np.float64]
@@ -115,19 +115,23 @@ class Contact:
         step["start"], step["dt"], step["gravity"] = -np.inf, model.opt.timestep, model.opt.gravity
         step["rk4"] = model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
         step["length"] = found.bristle_length or BRISTLE_LENGTH
+        once = compiled_once(found)
+        step["shut"] = once.shut
+        jacobian = np.zeros((n, model.nv))
+        outside = (*functions(), step["time"].ctypes.data, jacobian.ctypes.data)
         self._space = Workspace(
             step, bodies, _freedoms(mujoco, model), model.M_colind[None].astype(np.int64), data.M[None],
             data.xpos, data.xmat.reshape(-1, 9), data.qvel[None], data.qfrc_passive[None],
-            np.concatenate(tables)[None], np.zeros((3, 3 * first)), np.zeros((6, n)),
-            np.zeros((n, model.nv)), np.zeros((n // 6, 9)), np.full((traced, n), np.nan),
-            np.zeros((traced * remembers, 3 * first)), np.zeros((3, n), np.int64), np.zeros((1, data.M.size)),
-            np.zeros((model.nv, n)), np.zeros((1, model.nv)), np.zeros((n, n)), np.zeros((n, 6)),
-            np.zeros((n + 1, n + 1)), np.zeros((ROOM, n)),
+            np.concatenate(tables)[None], np.zeros((3, 3 * first)), np.zeros((6, n)), jacobian,
+            np.zeros((n // 6, 9)), np.full((traced, n), np.nan), np.zeros((traced * remembers, 3 * first)),
+            np.zeros((3, n), np.int64), np.zeros((1, data.M.size)), np.zeros((model.nv, n)),
+            np.zeros((1, model.nv)), np.zeros((n, n)), np.zeros((n, 6)), np.zeros((n + 1, n + 1)),
+            np.zeros((ROOM, n)), np.array([outside]),
         )  # fmt: skip
         self.data, self.names, self._bodies = data, tuple(feet), bodies
         self.acting = found.effects
-        self._compiled = compiled(pickle.dumps(self.acting))
-        self.addresses = np.array([*((a.ctypes.data, *a.shape, 0)[:3] for a in self._space), functions()])
+        self._compiled = compiled(pickle.dumps(once.effects), bool(bodies["mesh"].any()) or None)
+        self.addresses = np.array([(a.ctypes.data, *a.shape, 0)[:3] for a in self._space])
         _keep(self)
 
     def detach(self) -> None:
@@ -189,13 +193,12 @@ attach = Contact
 
 def _in_one_plane(mujoco: Any, model: Any, data: Any, rows: list[int]) -> bool:
     """Whether bodies move in x and z alone, which are axes of theirs: an axis that turns would turn them."""
-    probe, moved, turned = mujoco.MjData(model), *np.zeros((2, 3, model.nv))
-    probe.qpos[:] = data.qpos
-    mujoco.mj_kinematics(model, probe)
-    mujoco.mj_comPos(model, probe)
+    moved, turned = np.zeros((2, 3, model.nv))
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
     for row in rows:
-        mujoco.mj_jacBody(model, probe, moved, turned, row)
-        if moved[1].any() or turned[::2].any() or probe.xmat[row, 1::2].any() or not moved.any():
+        mujoco.mj_jacBody(model, data, moved, turned, row)
+        if moved[1].any() or turned[::2].any() or data.xmat[row, 1::2].any() or not moved.any():
             return False
     return True
 

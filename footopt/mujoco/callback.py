@@ -11,19 +11,20 @@ from typing import Any
 
 import numpy as np
 from llvmlite import ir
-from numba import carray, cfunc, njit, types
+from numba import carray, cfunc, from_dtype, types
 from numba.core import cgutils
 from numba.core.ccallback import CFunc
 from numba.extending import intrinsic
+from numba.np.arrayobj import populate_array
 
-from footopt.compiled import kept
+from footopt.compiled import FAST, kept
 from footopt.errors import needed
 from footopt.mujoco import step as steps
 from footopt.mujoco.implicit import solve
-from footopt.mujoco.step import BODY, FREEDOM, HOLD, MEAN, STEP, Workspace, align
+from footopt.mujoco.step import BODY, FREEDOM, HOLD, MEAN, STEP, WHOLE, Workspace
 from footopt.walk.own_code import own_code
 
-MOST, ARRAYS = 256, len(Workspace._fields)  # models on sand at once in one process, and arrays of each
+MOST = 256  # models on sand at once in one process
 #: Models that are attached: address of its MjData, of its `Contact.addresses`, and of its compiled step.
 ATTACHED = np.zeros((MOST, 3), np.int64)
 
@@ -49,20 +50,31 @@ def _call(typingctx: Any, function: Any, arguments: Any) -> Any:
     return types.void(function, arguments), generate
 
 
-#: For compiled code: a whole number as a pointer, and a call of the function at an address.
-pointer, call = intrinsic(_pointer), intrinsic(_call)
+def _workspace(typingctx: Any, table: Any) -> Any:
+    """The `Workspace` of the arrays whose addresses and shapes are in a table at an address."""
+
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        whole, arrays = ir.IntType(64), []
+        rows = builder.inttoptr(args[0], whole.as_pointer())
+        for row, kind in enumerate(signature.return_type):
+            places = (builder.gep(rows, [whole(3 * row + i)]) for i in range(1 + kind.ndim))
+            address, *shape = (builder.load(place) for place in places)
+            array, size = context.make_array(kind)(context, builder), context.get_data_type(kind.dtype)
+            size = whole(context.get_abi_sizeof(size))
+            strides = [*(builder.mul(columns, size) for columns in shape[1:]), size]
+            data = builder.inttoptr(address, array.data.type)
+            populate_array(array, data, shape, strides, size, meminfo=None)
+            arrays.append(array._getvalue())
+        return context.make_tuple(builder, signature.return_type, arrays)
+
+    kinds = {"step": STEP, "bodies": BODY, "freedoms": FREEDOM, **dict.fromkeys(WHOLE, np.dtype(np.int64))}
+    given = (kinds.get(name, np.dtype(float)) for name in Workspace._fields)
+    arrays = [types.Array(from_dtype(of), 2 - bool(of.fields), "C", aligned=not of.fields) for of in given]
+    return types.NamedTuple(arrays, Workspace)(table), generate
 
 
-@njit
-def _numbers(row):
-    """The array of numbers whose address and shape are in a row."""
-    return carray(pointer(row[0]), (row[1], row[2]), np.float64)
-
-
-@njit
-def _whole(row):
-    """The same of whole numbers."""
-    return carray(pointer(row[0]), (row[1], row[2]), np.int64)
+#: For compiled code: a whole number as a pointer, a call of the function at an address, and a workspace.
+pointer, call, workspace = intrinsic(_pointer), intrinsic(_call), intrinsic(_workspace)
 
 
 @lru_cache(maxsize=1)
@@ -74,49 +86,40 @@ def library() -> ctypes.CDLL:
 
 
 @lru_cache(maxsize=1)
-def functions() -> tuple[int, int, int]:
-    """Addresses of mj_getState and mj_jacBody, and 0."""
+def functions() -> tuple[int, ...]:
+    """Addresses of mj_getState and mj_jacBody."""
     given = library().mj_getState, library().mj_jacBody
-    state, jacobian = (ctypes.cast(function, ctypes.c_void_p) for function in given)
-    return state.value or 0, jacobian.value or 0, 0
+    return tuple(ctypes.cast(function, ctypes.c_void_p).value or 0 for function in given)
 
 
 @lru_cache
-def compiled(effects: bytes) -> Any:
+def compiled(effects: bytes, meshes: bool | None) -> Any:
     """The step with some effects, pickled `Laws`, which is compiled once."""
     acting = pickle.loads(effects)
 
     def passive(model, data, address):
-        table, time = carray(pointer(address), (ARRAYS + 1, 3), np.int64), np.zeros(1)
-        step = carray(pointer(table[0, 0]), (table[0, 1],), STEP)
-        bodies = carray(pointer(table[1, 0]), (table[1, 1],), BODY)
-        freedoms = carray(pointer(table[2, 0]), (table[2, 1],), FREEDOM)
-        space = Workspace(
-            step, bodies, freedoms, _whole(table[3]), _numbers(table[4]), _numbers(table[5]),
-            _numbers(table[6]), _numbers(table[7]), _numbers(table[8]), _numbers(table[9]),
-            _numbers(table[10]), _numbers(table[11]), _numbers(table[12]), _numbers(table[13]),
-            _numbers(table[14]), _numbers(table[15]), _whole(table[16]), _numbers(table[17]),
-            _numbers(table[18]), _numbers(table[19]), _numbers(table[20]), _numbers(table[21]),
-            _numbers(table[22]), _numbers(table[23]),
-        )  # fmt: skip
-        call(table[ARRAYS, 0], (model, data, time.ctypes.data, np.int32(1)))  # mjSTATE_TIME
-        meaning = steps.meaning_of(step[0], time[0])
-        for b in range(len(bodies)):
-            linear, angular = space.jacobian[6 * b : 6 * b + 3], space.jacobian[6 * b + 3 : 6 * b + 6]
-            body = np.int32(bodies[b].row)
-            call(table[ARRAYS, 1], (model, data, linear.ctypes.data, angular.ctypes.data, body))
-        if meaning == HOLD:
-            align(space)
-        elif steps.begin(space, meaning):
-            solve(space, acting)
+        space = workspace(address)
+        outside = space.outside[0]
+        call(outside[0], (model, data, outside[2], np.int32(1)))  # mjSTATE_TIME
+        meaning, columns = steps.meaning_of(space.step[0]), space.jacobian.shape[1]
+        for b in range(len(space.bodies)):
+            linear, body = outside[3] + 48 * columns * b, np.int32(space.bodies[b].row)
+            call(outside[1], (model, data, linear, linear + 24 * columns, body))
+        if steps.begin(space, meaning):
+            solve(space, acting, meshes)
         if meaning != HOLD:
             steps.leave_trace(space)
         for i in range(len(space.jacobian)):
-            for k in range(space.jacobian.shape[1]):
+            for k in range(columns):
                 space.passive[0, k] += space.jacobian[i, k] * space.vectors[MEAN, i]
 
     passive.__qualname__ = f"passive_{hashlib.sha256(effects).hexdigest()[:16]}"  # a file of its own
-    function = CFunc(passive, ((types.intp,) * 3, types.void), {}, {"error_model": "numpy"})
+    function = CFunc(
+        passive,
+        ((types.intp,) * 3, types.void),
+        {},
+        {"error_model": "numpy", "fastmath": FAST, "_nrt": False},
+    )
     function = function if own_code(acting.all) else kept(function)
     function.compile()
     return function

@@ -16,7 +16,7 @@ from __future__ import annotations
 from footopt.compiled import called_fast, inlined_fast
 from footopt.effects import Laws
 from footopt.mujoco.faces import COLUMNS, cross, dot, forces, moved, plus
-from footopt.mujoco.step import BEFORE, END, FREE, GAINED, MEAN, TWIST, inner, of_body
+from footopt.mujoco.step import BEFORE, END, FREE, GAINED, MEAN, TWIST, inner
 from footopt.walk.contact import rsqrt
 from footopt.walk.steppers.implicit import SDIRK2
 
@@ -103,7 +103,7 @@ def solution(space, moves, c, rest, y):
 
 
 @called_fast
-def newton(space, effects, near, moves, c, turn, h0, v0, v, f):
+def newton(space, effects, meshes, near, moves, c, turn, h0, v0, v, f):
     """Solve v = v0 + c W f, f = F(v), for the near bodies' twists v and wrenches, from f; whether it can be.
 
     Sand resists motion, so that dv . (F - f) falls along a step dv: a step is cut where it changes its sign,
@@ -125,12 +125,16 @@ def newton(space, effects, near, moves, c, turn, h0, v0, v, f):
             for i in range(6):
                 way[i] = room[BASE, 6 * k + i] + c * six[i]
             surface, forward = surface_of(body, axes, way), (space.places[body.row, 0], x)
-            faces, h = of_body(space.faces[0], body, COLUMNS), of_body(h0, body, 3)
-            state = faces, body.law, up, surface, forward, six, c, turn, h
-            if body.mesh:
-                total, rows = forces(body.friction, Laws(effects.loads, None, effects.pushes), *state)
+            first, last, plain = body.first, body.last, Laws(effects.loads, None, effects.pushes)
+            faces = space.faces[0, COLUMNS * first : COLUMNS * last].reshape(COLUMNS, last - first)
+            state = faces, body.law, up, surface, forward, six, c, turn
+            h = h0[3 * first : 3 * last].reshape(3, last - first)
+            if meshes is not None and body.mesh:
+                total, rows = forces(body.friction, plain, *state, h)
+            elif space.step[0].shut:
+                total, rows = forces(None, plain, *state, h)
             else:
-                total, rows = forces(None, effects, *state)
+                total, rows = forces(None, effects, *state, h)
             for i in range(6):
                 f[6 * k + i] = total[i]
                 for j in range(6):
@@ -164,7 +168,7 @@ def newton(space, effects, near, moves, c, turn, h0, v0, v, f):
     return False
 
 
-@inlined_fast
+@called_fast
 def bend(space, near, v, c, turn, before, after, share):
     """Bend bristles from before to after by a share, 0 in the air, where bodies have moved with twists v."""
     for k in range(len(near)):
@@ -172,8 +176,10 @@ def bend(space, near, v, c, turn, before, after, share):
         for i in range(6):
             way[i] = space.room[BASE, 6 * k + i] + c * twist[i]
         surface = surface_of(body, space.frame[near[k]], way)
-        faces, h = of_body(space.faces[0], body, COLUMNS), of_body(before, body, 3)
-        new = of_body(after, body, 3)
+        first, last = body.first, body.last
+        faces = space.faces[0, COLUMNS * first : COLUMNS * last].reshape(COLUMNS, last - first)
+        h = before[3 * first : 3 * last].reshape(3, last - first)
+        new = after[3 * first : 3 * last].reshape(3, last - first)
         for i in range(faces.shape[1]):
             r, _, bent = moved(faces, h, i, twist, turn)
             q = rsqrt(max(dot(bent, bent), 1.0))
@@ -182,9 +188,9 @@ def bend(space, near, v, c, turn, before, after, share):
                 new[a, i] = inside * (h[a, i] + share * (bent[a] * q - h[a, i]))
 
 
-@inlined_fast
+@called_fast
 def chosen(space):
-    """The bodies near the sand, and those rows of their twists in which the robot can move."""
+    """Choose the bodies near the sand, and rows of their twists in which the robot can move; how many."""
     near, moves, rows, bodies, n = space.chosen[0], space.chosen[1], space.chosen[2], 0, 0
     for b in range(len(space.bodies)):
         if space.bodies[b].near:
@@ -197,15 +203,16 @@ def chosen(space):
                     moves[n], rows[n] = 6 * bodies + i, 6 * b + i
                     n += 1
             bodies += 1
-    return near[:bodies], moves[:n], rows[:n]
+    return bodies, n
 
 
 @called_fast
-def solve(space, effects):
+def solve(space, effects, meshes):
     """Find the mean wrenches of a step on the bodies."""
     dt, vectors, h, room = space.step[0].dt, space.vectors, space.bristles, space.room
     c, r = GAMMA * dt, (1.0 - GAMMA) * dt
-    near, moves, rows = chosen(space)
+    bodies, able = chosen(space)
+    near, moves, rows = space.chosen[0, :bodies], space.chosen[1, :able], space.chosen[2, :able]
     n, x = 6 * len(near), space.answers
     responses(space, rows)
     base, v0, a, mean = room[BASE, :n], room[START, :n], room[FREELY, :n], room[SUM, :n]
@@ -239,7 +246,7 @@ def solve(space, effects):
                 room[AHEAD, i] += r * inner(space.mobility[p, :n], f)
                 base[i] += r * v[i]
         turn = c / space.step[0].length
-        if not newton(space, effects, near, moves, c, turn, h[stage], room[AHEAD, :n], v, f):
+        if not newton(space, effects, meshes, near, moves, c, turn, h[stage], room[AHEAD, :n], v, f):
             space.step[0].failures += 1
         bend(space, near, v, c, turn, h[stage], h[stage + 1], share)
         for k in range(len(near)):

@@ -23,6 +23,8 @@ STEP = np.dtype(
         ("dt", float),  # s
         ("rk4", np.int64),  # 1 where the integrator is RK4, 0 elsewhere
         ("seen", np.int64),  # of RK4's stages: 1 once the step's middle has been called for, 2 once its end
+        ("time", float),  # s: MuJoCo's
+        ("shut", np.int64),  # 1 where the gates of effects let all of the stress through
         ("length", float),  # over which bristles bend, m
         ("gravity", float, 3),  # m/s^2
         *[(name, np.int64) for name in COUNTED],
@@ -98,26 +100,24 @@ class Workspace(NamedTuple):
     stiffness: Any  # (6 b, 6): dF/dV of the near bodies
     system: Any  # (6 b + 1, 6 b + 1): of equations
     room: Any  # (`implicit.ROOM`, 6 b)
+    outside: Any  # (1, 4): addresses of mj_getState, mj_jacBody, the step's time and the Jacobian
+
+
+WHOLE = ("columns", "chosen", "outside")  # are whole numbers
 
 
 @inlined
-def meaning_of(step, time):
+def meaning_of(step):
     """The meaning of a call: the same step AGAIN, a NEW one, a stage of RK4 to HOLD, or a RESTART."""
-    passed = (time - step.start) / step.dt
+    passed = (step.time - step.start) / step.dt
     if abs(passed) < 1e-6:
         return AGAIN
     ends = abs(passed - 1.0) < 1e-6
     if step.rk4 and (abs(passed - 0.5) < 1e-6 or (ends and step.seen == 1)):
         step.seen = 2 if ends else 1
         return HOLD
-    step.start, step.seen = time, 0
+    step.start, step.seen = step.time, 0
     return NEW if ends else RESTART
-
-
-@inlined
-def of_body(table, body, rows):
-    """A body's part of a flat table of all faces, (rows, its faces)."""
-    return table[rows * body.first : rows * body.last].reshape(rows, body.last - body.first)
 
 
 @inlined_fast
@@ -133,7 +133,7 @@ def inner(a, b):
     return total
 
 
-@inlined_fast
+@called_fast
 def align(space):
     """Turn the Jacobian from the world's axes to the bodies' own ones in the middle of the step."""
     for i in range(0, len(space.jacobian), 3):
@@ -146,7 +146,10 @@ def align(space):
 
 @called_fast
 def begin(space, meaning):
-    """Begin a step, after a RESTART with all sunk straight down; whether a body may touch sand."""
+    """Begin a step, after a RESTART with all sunk straight down; whether the sand is to be solved for."""
+    if meaning == HOLD:
+        align(space)
+        return False
     step, vectors, velocity, any_near = space.step[0], space.vectors, space.velocity[0], False
     late = 0.5 * step.dt * step.rk4  # from MuJoCo's places to the middle
     for b in range(len(space.bodies)):
@@ -163,7 +166,11 @@ def begin(space, meaning):
         turned = abs(spin[0]) + abs(spin[1])
         margin, low = 2.0 * step.dt * (abs(vz) + turned * body.reach + 10.0 * step.dt), np.inf
         if height - body.reach < margin:
-            faces, up = of_body(space.faces[0], body, COLUMNS), (axes[6], axes[7], axes[8])
+            faces, up = (
+                space.faces[0, COLUMNS * body.first : COLUMNS * body.last],
+                (axes[6], axes[7], axes[8]),
+            )
+            faces = faces.reshape(COLUMNS, body.last - body.first)
             for i in range(faces.shape[1]):
                 low = min(low, height + dot(up, (faces[X, i], faces[Y, i], faces[Z, i])))
         body.depth, body.near = max(-low, 0.0), low < margin
@@ -171,10 +178,9 @@ def begin(space, meaning):
         if meaning == NEW:
             body.work += body.pending
         elif meaning == RESTART:
-            bristles = of_body(space.bristles[2], body, 3)
-            for a in range(3):
-                for i in range(bristles.shape[1]):
-                    bristles[a, i] = -frame[6 + a]
+            count = body.last - body.first
+            for i in range(3 * count):
+                space.bristles[2, 3 * body.first + i] = -frame[6 + i // count]
         body.power = body.pending = 0.0
     align(space)
     step.steps += meaning == NEW
