@@ -68,11 +68,7 @@ class Algorithm:
     """A solver's pymoo algorithm at work: `ask` it for designs, `tell` it what became of them."""
 
     def __init__(
-        self,
-        problem: FootProblem,
-        solver: Solver,
-        start: Ints | None = None,
-        termination: Any = None,
+        self, problem: FootProblem, solver: Solver, start: Ints | None = None, termination: Any = None
     ) -> None:
         solver.check_space(problem.space)
         self._algorithm = solver.build(problem.n_obj)

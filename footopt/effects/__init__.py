@@ -26,23 +26,9 @@ from footopt.effects.shadowing import Shadowing
 from footopt.effects.slope import Slope
 
 __all__ = [
-    "EFFECTS",
-    "HOOKS",
-    "Effect",
-    "Inertia",
-    "Laws",
-    "Layers",
-    "LeadingEdge",
-    "Patches",
-    "Rest",
-    "Shadowing",
-    "Slope",
-    "bristle_length",
-    "gravity",
-    "laws",
-    "name_of",
-    "reshaping",
-]
+    "EFFECTS", "HOOKS", "Effect", "Inertia", "Laws", "Layers", "LeadingEdge", "Patches", "Rest",
+    "Shadowing", "Slope", "bristle_length", "gravity", "laws", "name_of", "reshaping",
+]  # fmt: skip
 
 for _module in pkgutil.iter_modules(__path__):
     import_module(f"{__name__}.{_module.name}")

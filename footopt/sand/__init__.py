@@ -5,13 +5,4 @@ from footopt.sand.fit import fit_stress_map
 from footopt.sand.law import GENERIC, StressMap, affine, alpha
 from footopt.sand.media import MEDIA, Sand
 
-__all__ = [
-    "GENERIC",
-    "MEDIA",
-    "Sand",
-    "StressMap",
-    "affine",
-    "alpha",
-    "fit_stress_map",
-    "stress",
-]
+__all__ = ["GENERIC", "MEDIA", "Sand", "StressMap", "affine", "alpha", "fit_stress_map", "stress"]

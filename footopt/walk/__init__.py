@@ -11,22 +11,7 @@ from footopt.walk.steppers import STEPPERS
 from footopt.walk.validity import Diagnostic, diagnose
 
 __all__ = [
-    "FIVE",
-    "MEASURES",
-    "OBJECTIVES",
-    "PRESETS",
-    "STEPPERS",
-    "Accuracy",
-    "Diagnostic",
-    "Scene",
-    "Simulator",
-    "Table",
-    "Tolerance",
-    "Walk",
-    "Walker",
-    "diagnose",
-    "estimate_error",
-    "evaluate",
-    "gain_shares",
-    "simulate",
-]
+    "FIVE", "MEASURES", "OBJECTIVES", "PRESETS", "STEPPERS", "Accuracy", "Diagnostic", "Scene",
+    "Simulator", "Table", "Tolerance", "Walk", "Walker", "diagnose", "estimate_error", "evaluate",
+    "gain_shares", "simulate",
+]  # fmt: skip

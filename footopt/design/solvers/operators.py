@@ -65,10 +65,7 @@ class Geometry(AGEMOEA2Survival):
 
 
 def operators(
-    crossover_prob: float = 0.9,
-    crossover_eta: float = 3,
-    mutation_prob: float = 0.9,
-    mutation_eta: float = 3,
+    crossover_prob: float = 0.9, crossover_eta: float = 3, mutation_prob: float = 0.9, mutation_eta: float = 3
 ) -> dict[str, Any]:
     """Sampling, crossover, mutation and repair of a genetic algorithm over whole numbers.
 
@@ -104,13 +101,9 @@ def by_runs() -> dict[str, Any]:
 @lru_cache(maxsize=8)
 def reference_directions(n_obj: int, count: int) -> Array:
     """`count` directions spread evenly over the simplex, (count, n_obj), by Riesz energy."""
-    check(
-        count <= DIRECTIONS,
-        "solver.pop_size",
-        count,
-        f"at most {DIRECTIONS} for a solver with reference directions",
-        "Their places take minutes to find for more. Try solver=nsga2.",
-    )
+    allowed = f"at most {DIRECTIONS} for a solver with reference directions"
+    hint = "Their places take minutes to find for more. Try solver=nsga2."
+    check(count <= DIRECTIONS, "solver.pop_size", count, allowed, hint)
     from pymoo.util.ref_dirs import get_reference_directions
 
     directions: Array = get_reference_directions("energy", n_obj, count, seed=1)

@@ -10,14 +10,6 @@ from footopt.report.figures.traces import com, forces, power_work
 from footopt.report.style import save
 
 __all__ = [
-    "com",
-    "contour",
-    "contours",
-    "convergence",
-    "drawing",
-    "forces",
-    "power_work",
-    "save",
-    "scatter_matrix",
-    "step",
-]
+    "com", "contour", "contours", "convergence", "drawing", "forces", "power_work", "save",
+    "scatter_matrix", "step",
+]  # fmt: skip

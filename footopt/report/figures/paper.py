@@ -43,10 +43,7 @@ def all_figures(walks: Mapping[str, Walk]) -> dict[str, tuple[Figure, str]]:
     joints = gait(crossed.scene.gait, crossed.scene.walker)
     waypoints = contour(hard.foot)
     return {
-        "fig2b_gait": (
-            joints,
-            "Joint angles over a stride, and the ankle's path (figure 2b).",
-        ),
+        "fig2b_gait": (joints, "Joint angles over a stride, and the ankle's path (figure 2b)."),
         "fig3_shapes": (contours(shapes), "The five shapes, all of one length (figure 3)."),
         "fig4a_shapes_states": (com(by_shape), "Position and velocity of the COM by shape (figure 4a)."),
         "fig4b_shapes_power_work": (power_work(by_shape), "Power and work by shape (figure 4b)."),
@@ -54,10 +51,7 @@ def all_figures(walks: Mapping[str, Walk]) -> dict[str, tuple[Figure, str]]:
         "fig6_contours": (contours(feet), "The best soles for soft, regular and hard sand (figure 6)."),
         "fig7a_step": (step(hard), "A step on hard sand with its best foot (figure 7)."),
         "fig7b_step": (step(crossed), "The same with the best foot for regular sand (figure 7)."),
-        "fig8a_sands_states": (
-            com(by_sand),
-            "Position and velocity of the COM by sand (figure 8a).",
-        ),
+        "fig8a_sands_states": (com(by_sand), "Position and velocity of the COM by sand (figure 8a)."),
         "fig8b_sands_forces": (forces(by_sand), "Force on each foot by sand (figure 8b)."),
         "fig8c_sands_power_work": (power_work(by_sand), "Power and work by sand (figure 8c)."),
     }
