@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 from footopt.errors import check
 from footopt.report import terminal
 from footopt.report.figures.validation import experiment, law_name, overview
-from footopt.report.numbers import number
 from footopt.studies.base import Study
-from footopt.studies.validation.compare import AGREES, DIFFERS, OPEN, Comparison, experiments
+from footopt.studies.validation.compare import AGREES, DIFFERS, Comparison, experiments
 
-HEAD = ("experiment", "quantity", "law", "scale", "E rms", "E mean", "2 u", "verdict")
+HEAD = ("experiment", "quantity", "law", "E", "mean", "2 u", "verdict")
 WORDS = ("experiment", "quantity", "law", "verdict")
+#: How an experiment is predicted by the law that meets most of its quantities.
+MET = ("in all quantities", "in some", "in none")
 
 
 def run(study: Study) -> None:
@@ -32,16 +33,18 @@ def run(study: Study) -> None:
                 found += e.compare(law)
                 step(news=f"{e.content['title']}, {law_name(law)}")
     titles = {e.name: e.content["title"] for e in chosen}
-    caption = "Error of every comparison, and the least error that it resolves."
-    study.save("overview", overview(found, titles), caption)
+    judged = [c for c in found if not c.apart]
+    caption = "Error of every comparison with a verdict, and the least error that it resolves."
+    if judged:
+        study.save("overview", overview(judged, titles), caption)
     for e in chosen:
         caption = f"{titles[e.name]}. {e.text('about')} {e.text('reading')} Source: {e.text('source')}."
         own = [c for c in found if c.experiment == e.name]
         study.save(e.name, experiment(own, e.content.get("x", "")), caption)
     table = terminal.table(HEAD, WORDS)
-    table.title = "E, simulated less measured, and its uncertainty 2 u (ASME V&V 20), as parts of the scale"
-    for c in found:
-        table.add_row(*cells(c, titles), style="bold" if c.verdict == DIFFERS else "")
+    table.title = "E, simulation less data, and its uncertainty 2 u (ASME V&V 20), over the scale"
+    for c in sorted(found, key=lambda c: bool(c.apart)):
+        table.add_row(*cells(c), style="bold" if c.verdict == DIFFERS else "")
     study.conclude(
         "The law against experiments",
         [table],
@@ -53,28 +56,35 @@ def run(study: Study) -> None:
     )
 
 
-def counts(found: Sequence[Comparison]) -> dict[str, int]:
-    """How many comparisons have each verdict."""
-    number_of = Counter(c.verdict for c in found)
-    return {verdict: number_of[verdict] for verdict in (AGREES, DIFFERS, OPEN)}
+def counts(found: Sequence[Comparison], share: float = 1.0) -> dict[str, int]:
+    """How many experiments are predicted in all their quantities, in some, and in none, by their best law.
+
+    Comparisons without a verdict do not count. `share` multiplies the uncertainty of the data.
+    """
+    agree: dict[str, dict[tuple[str, ...], list[bool]]] = {}
+    for c in found:
+        if not c.apart:
+            verdict = replace(c, experimental=share * c.experimental).verdict
+            agree.setdefault(c.experiment, {}).setdefault(c.law, []).append(verdict == AGREES)
+    best = [max(sum(own) / len(own) for own in laws.values()) for laws in agree.values()]
+    number_of = Counter(MET[0] if part == 1.0 else MET[1] if part else MET[2] for part in best)
+    return {met: number_of[met] for met in MET}
 
 
 def summary(found: Sequence[Comparison]) -> str:
-    """All verdicts, and how they depend on the uncertainty of the data, which is often assumed."""
-    halved, doubled = (
-        counts([replace(c, experimental=share * c.experimental) for c in found])[DIFFERS]
-        for share in (0.5, 2.0)
-    )
-    agree, differ, open_ = counts(found).values()
+    """The count of experiments, and how it depends on the uncertainty of the data, which is often assumed."""
+    own, halved, doubled = (counts(found, share) for share in (1.0, 0.5, 2.0))
+    told = ", ".join(f"{number} {met}" for met, number in own.items())
+    least = MET[2]
     return (
-        f"Of {len(found)} comparisons {agree} agree, {differ} differ, and {open_} cannot be told. "
-        f"With half the uncertainty of the data {halved} would differ, with twice of it {doubled}."
+        f"Of {sum(own.values())} experiments with measured data the best of the laws predicts {told}. With "
+        f"half the uncertainty of the data {halved[least]} would be predicted {least}, with twice of it "
+        f"{doubled[least]}."
     )
 
 
-def cells(c: Comparison, titles: Mapping[str, str]) -> list[str]:
+def cells(c: Comparison) -> list[str]:
     """A comparison in tables: rms and mean of E, and 2 u, as parts of the scale."""
     size, bias, band = (100.0 * value / c.scale for value in (c.size, c.bias, c.band))
-    scale = f"{number(c.scale)} {c.unit}".removesuffix(" 1")
-    shares = [f"{size:.0f} %", f"{bias:+.0f} %", f"{band:.0f} %"]
-    return [titles[c.experiment], c.quantity, law_name(c.law), scale, *shares, c.verdict]
+    shares = [f"{size:.0f} %", f"{round(bias):+d} %", f"{band:.0f} %"]
+    return [c.experiment, c.quantity, law_name(c.law), *shares, c.verdict]

@@ -10,7 +10,6 @@ import footopt as fo
 from footopt.effects.shadowing import filled
 from footopt.errors import SettingError
 from footopt.foot import lower_hull
-from footopt.studies.validation.rig import blades
 from footopt.walk.discretize import NEWTON
 
 PART = st.floats(0.0, 1.0)
@@ -44,7 +43,8 @@ class TestTheSole:
 
     @pytest.mark.parametrize("turn", [1, -1])
     def test_blades_are_shortened_whichever_way_they_are_drawn(self, turn):
-        comb = blades(0.1, 4, 0.012, 0.003)[::turn]
+        x = np.repeat(np.linspace(-0.05, 0.05, 8), 2)  # four blades
+        comb = np.stack([x, np.tile([0.0, -0.012, -0.012, 0.0], 4)], axis=-1)[::turn]
         found = filled(comb[None], 1.0 / 3.0)[0]
         assert found[:, 1].min() == -0.012
         assert np.ptp(found[:, 1]) == pytest.approx(0.004)

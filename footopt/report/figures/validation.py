@@ -15,7 +15,7 @@ from footopt.report.style import Axes
 Comparisons = Sequence[Any]
 
 NAMES = {"alpha_x": r"$\alpha_x$", "alpha_z": r"$\alpha_z$", "zeta": r"$\zeta$"}
-SHOWN = dict(zip(("agrees", "differs", "cannot be told"), style.VERDICTS, strict=True))
+SHOWN = dict(zip(("agrees", "differs", "undecided"), style.VERDICTS, strict=True))
 DATA: dict[str, Any] = {"color": "black", "ls": "", "marker": "o", "elinewidth": 0.8}
 MEASURED = "measured; all ± 2 u"
 MANY = 10  # points that have no rows of their own

@@ -29,12 +29,13 @@ COARSE = 0.5  # of the data's scale: where COVERAGE u is more, agreement says no
 #: Units of the files in SI.
 UNITS = {"mm": 1e-3, "N": 1.0, "N/cm3": 1e6, "1": 1.0, "body weights": 1.0}
 
-AGREES, DIFFERS, OPEN = "agrees", "differs", "cannot be told"
+AGREES, DIFFERS, OPEN = "agrees", "differs", "undecided"
+ASSUMED, FORM = "data assumed", "by its form"  # no verdict: nothing was measured, or nothing could differ
 
 
 def rms(values: Array) -> float:
-    """Return the root mean square."""
-    return float(np.sqrt(np.mean(np.square(values))))
+    """Return the root mean square of those that are not NaN."""
+    return float(np.sqrt(np.nanmean(np.square(values))))
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,11 +53,13 @@ class Comparison:
     inputs: Array  # (M,), u_input
     experimental: Array  # (M,), u_exp
     scale: float  # to which errors are related: the rms of D, or the file's own
+    inside: NDArray[np.bool_] | bool = True  # (M,), points within the range that the law was made for
+    apart: str = ""  # why there is no verdict
 
     @property
     def error(self) -> Array:
-        """E = S - D, (M,)."""
-        return self.simulated - self.measured
+        """E = S - D, (M,); NaN outside the range that the law was made for."""
+        return np.where(self.inside, self.simulated - self.measured, np.nan)
 
     @property
     def uncertainty(self) -> Array:
@@ -71,12 +74,12 @@ class Comparison:
     @property
     def bias(self) -> float:
         """Mean of E."""
-        return float(self.error.mean())
+        return float(np.nanmean(self.error))
 
     @property
     def band(self) -> float:
         """`COVERAGE` times the root mean square of u."""
-        return COVERAGE * rms(self.uncertainty)
+        return COVERAGE * rms(np.where(self.inside, self.uncertainty, np.nan))
 
     @property
     def bar(self) -> Array:
@@ -91,6 +94,8 @@ class Comparison:
     @property
     def verdict(self) -> str:
         """Whether the error is larger than the band, or the band too wide to say more."""
+        if self.apart:
+            return self.apart
         if self.size > self.band:
             return DIFFERS
         return OPEN if self.band > COARSE * self.scale else AGREES
@@ -98,7 +103,7 @@ class Comparison:
 
 @dataclass(frozen=True, eq=False)
 class Experiment:
-    """One file of this folder; see `wheel.toml` for its entries."""
+    """One file of this folder; see `wheel_driven.toml` for its entries."""
 
     name: str
     content: dict[str, Any]
@@ -109,7 +114,10 @@ class Experiment:
 
     def compare(self, law: Sequence[str]) -> list[Comparison]:
         """Repeat it under a law: the names of the effects that are on."""
-        content, setup, inputs = self.content, self.content.get("setup", {}), self.content.get("inputs", {})
+        content, inputs, quantities = self.content, self.content.get("inputs", {}), self.content["quantities"]
+        values = {q["name"]: np.asarray(q["measured"], float) for q in quantities}
+        si = {q["name"]: values[q["name"]] * UNITS[q["unit"]] for q in quantities}
+        setup = {**content.get("setup", {}), "measured": si}
         own = content.get("effects", {})
         effects = tuple(EFFECTS[name](**own.get(name, {})) for name in law)
 
@@ -123,17 +131,19 @@ class Experiment:
         spans = [(run(changed=name, end="low"), run(changed=name, end="high")) for name in inputs]
         points = setup[content["x"]] if "x" in content else [""]
         found, none = [], np.zeros(len(points))
-        for q in content["quantities"]:
+        inside = np.array([point not in content.get("outside", []) for point in points])
+        for q in quantities:
             name, unit = q["name"], UNITS[q["unit"]]
-            measured = np.asarray(q["measured"], float)
-            scale = float(q.get("scale", rms(measured)))
+            measured = values[name]
+            scale = float(q.get("scale", rms(np.where(inside, measured, np.nan))))
             halves = [0.5 * (high[name] - low[name]) / unit for low, high in spans]
             comparison = Comparison(
                 self.name, name, q["unit"], tuple(law), points, fine[name] / unit + none, measured,
                 numerical=np.abs(fine[name] - coarse[name]) / unit + none,
                 inputs=np.sqrt(np.sum(np.square(halves), axis=0)) + none,
-                experimental=q["uncertainty"] * (scale if q.get("relative") else 1.0) + none,
-                scale=scale,
+                experimental=np.asarray(q["uncertainty"]) * (scale if q.get("relative") else 1.0) + none,
+                scale=scale, inside=inside,
+                apart=ASSUMED if q.get("assumed") else FORM if list(law) in q.get("form", []) else "",
             )  # fmt: skip
             found.append(comparison)
         return found

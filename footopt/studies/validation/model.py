@@ -18,10 +18,10 @@ from footopt.walk.objectives import relative_change
 #: The measured quantity that is nearest to each objective: experiment and quantity.
 NEAREST = {
     "distance": ("people", "speed ratio"),
-    "mean_height": ("wheel", "sinkage"),
+    "mean_height": ("wheel_braked", "sinkage"),
     "work": ("people", "work ratio"),
     "peak_power": ("people", "peak force"),
-    "speed_loss": ("wheel", "drawbar"),
+    "speed_loss": ("wheel_braked", "drawbar"),
 }
 JUDGED = (*FIVE, "efficiency")
 

@@ -74,34 +74,47 @@ def flat(length: float, width: float) -> Foot:
 def wheel(setup: Values, inputs: Values, scene: Scene, fine: bool) -> dict[str, Array]:
     """A rigid wheel at given slips under given loads: its sinkage and its drawbar pull.
 
-    Slip is (rim speed - speed) / the larger of both: -1 is a locked wheel that is dragged.
+    Slip is (rim speed - speed) / the larger of both: -1 is a locked wheel that is dragged. `course` is the
+    zeta with which the measured sinkage carries the load, over its mean: 1 at each slip for a law that is
+    right, whatever the sand's zeta.
     """
-    radius, slip = setup["radius"], np.asarray(setup["slip"], float)
-    speed, rim = np.where(slip > 0.0, 1.0 - slip, 1.0), np.where(slip > 0.0, 1.0, 1.0 + slip)
+    radius, plates, load = setup["radius"], 1600 if fine else 400, inputs["load"]
     foot = Foot.shape("circle", length=np.pi * radius, width=setup["width"])
-    velocity = np.stack([speed, np.zeros_like(speed)], axis=-1)
-    load = np.asarray(setup["load"], float)
-    sinkage, force = balanced(foot, scene, 1600 if fine else 400, load, velocity, -rim / radius, radius)
-    return {"sinkage": sinkage, "drawbar": force[:, 0]}
+    velocity, rate = rolling(setup)
+    sinkage, force = balanced(foot, scene, plates, load, velocity, rate, radius)
+    measured = -float(foot.contour[:, 1].min()) - setup["measured"]["sinkage"]
+    needed = load / body(foot, scene, plates)(measured, velocity, rate)[:, 1]
+    return {"sinkage": sinkage, "drawbar": force[:, 0], "course": needed / needed.mean()}
 
 
-def pad(setup: Values, inputs: Values, scene: Scene, fine: bool) -> dict[str, Any]:
-    """A level pad with blades that is dragged along under a load: the gain in traction by the blades."""
-    length, width, plates = setup["length"], setup["width"], 3200 if fine else 800
-    load = np.array([float(inputs["load"])])
-    bladed = Foot(blades(length, round(float(inputs["blades"])), setup["height"], setup["thickness"]), width)
-    with_, without = (balanced(foot, scene, plates, load, ALONG, 0.0, 1.0)[1][0, 0]
-                      for foot in (bladed, flat(length, width)))  # fmt: skip
-    return {"gain in traction": with_ / without - 1.0}
+def rolling(setup: Values) -> tuple[Array, Array]:
+    """Velocities of a wheel's axle, (M, 2), and its rates of turn, (M,), at given slips."""
+    slip = np.asarray(setup["slip"], float)
+    speed, rim = np.where(slip > 0.0, 1.0 - slip, 1.0), np.where(slip > 0.0, 1.0, 1.0 + slip)
+    return np.stack([speed, np.zeros_like(speed)], axis=-1), -rim / setup["radius"]
 
 
-def blades(length: float, count: int, height: float, thickness: float) -> Array:
-    """Return a level sole with blades at equal distances under it, the outer ones at its ends, (m, 2), m."""
-    points = []
-    for middle in np.linspace(-0.5 * (length - thickness), 0.5 * (length - thickness), count):
-        left, right = middle - 0.5 * thickness, middle + 0.5 * thickness
-        points += [(left, 0.0), (left, -height), (right, -height), (right, 0.0)]
-    return np.array(points)
+def grousers(setup: Values, inputs: Values, scene: Scene, fine: bool) -> dict[str, Array]:
+    """A wheel with grousers: its gain in drawbar over a smooth wheel of its radius, and how slip sinks it.
+
+    Both are of means over the positions of the grousers, each of which carries the load; the sinkage is
+    over that at the first slip.
+    """
+    tip, count, plates, phases = setup["radius"], setup["grousers"], 1600 if fine else 800, 8 if fine else 4
+    angle = np.radians(np.linspace(-80.0, 80.0, 3201))  # from straight down
+    velocity, rate = rolling(setup)
+
+    def found(rim: float, turned: float, load: ArrayLike) -> Array:
+        raised = np.abs((angle * count / (2.0 * np.pi) + turned) % 1.0 - 0.5) < 0.5 * setup["share"]
+        radius = np.where(raised, tip, rim)
+        foot = Foot(np.stack([radius * np.sin(angle), -radius * np.cos(angle)], axis=-1), setup["width"])
+        sinkage, force = balanced(foot, scene, plates, np.asarray(load, float), velocity, rate, tip)
+        return np.stack([sinkage, force[:, 0]])
+
+    each = [found(setup["rim"], (i + 0.5) / phases, setup["load"]) for i in range(phases)]
+    sinkage, drawbar = np.mean(each, axis=0)
+    smooth = found(tip, 0.0, setup["smooth_load"])[1]
+    return {"gain in drawbar": drawbar - smooth, "slip-sinkage": sinkage / sinkage[0]}
 
 
 def plate(setup: Values, inputs: Values, scene: Scene, fine: bool) -> dict[str, Array]:
@@ -180,5 +193,5 @@ def walker(setup: Values, inputs: Values, scene: Scene, fine: bool) -> dict[str,
 
 
 RIGS: dict[str, Callable[[Values, Values, Scene, bool], dict[str, Any]]] = {
-    each.__name__: each for each in (wheel, pad, plate, growth, extraction, friction, drag, rod, walker)
+    each.__name__: each for each in (wheel, grousers, plate, growth, extraction, friction, drag, rod, walker)
 }
