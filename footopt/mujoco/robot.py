@@ -11,28 +11,28 @@ from functools import lru_cache, partial
 from typing import Any, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from footopt.effects.base import Effect, ordered, reshaping
 from footopt.errors import SettingError, check, check_kind
 from footopt.foot import Foot, Plates, Waypoints
 from footopt.gait import Gait
-from footopt.gait.gait import Pose
 from footopt.mujoco.controllers import Controller, FunctionController, Tracker
 from footopt.mujoco.model import BIPED, Model
-from footopt.mujoco.walking import AXES, MEASURED, bristles_in_world, poses, quiet, walk
+from footopt.mujoco.traces import RobotWalk, traced
+from footopt.mujoco.walking import MEASURED, check_axes, quiet, walk
 from footopt.sand import Sand
 from footopt.walk.accuracy import Accuracy, Tolerance
 from footopt.walk.batch import at_once
 from footopt.walk.ladder import TOP, Found, Rung, climb, plates_at, probes
 from footopt.walk.objectives import FIVE, OBJECTIVES, by_name
-from footopt.walk.results import Walk
 from footopt.walk.scene import Scene, Walker
 from footopt.walk.simulator import Simulator, Walked
 
 Array = NDArray[np.float64]
 
 HALVINGS = 6  # of a model's time step, at most, for an accuracy
+LADDER = 500.0  # walks of a search in whose time its numbers are found at most: half of one of 1,000
 STEP_COST = 100.0  # plates along a sole that take as long as what else is in a step
 
 
@@ -209,7 +209,11 @@ class Robot(Simulator):
 
     @quiet()
     def need_heel_strike(self) -> None:
-        """Raise unless it gets through its first steps in the air, so that what fails later is the sand's."""
+        """Raise unless its feet's axes are a sole's, and it gets through its first steps in the air.
+
+        What fails later is the sand's.
+        """
+        check_axes(self)
         dt, upright = self.model.compiled.opt.timestep, replace(self, lowest=1e-9, tilt=math.pi)
         try:
             found = walk(upright, None, Accuracy(dt=dt), min(200 * dt, self._end))
@@ -248,78 +252,8 @@ class Robot(Simulator):
     @quiet()
     def trace(self, foot: Foot, accuracy: Accuracy) -> RobotWalk:
         """Walk with one foot, keeping full traces."""
-        found = walk(self, foot, accuracy, self._end, traced=True)
-        end = len(found.t)
-        joints, turned = poses(self, accuracy.dt, found.states[:end])
-        return RobotWalk(
-            foot=foot,
-            scene=self,
-            accuracy=accuracy,
-            t=found.t,
-            com=found.com[1 : end + 1, AXES],
-            velocity=found.velocity[1 : end + 1, AXES],
-            force=found.sand[:end, :, AXES],
-            power=found.sand[:end, :, 3],
-            work=found.sand[:end, :, 4],
-            start=found.com[0, AXES],
-            bristles=bristles_in_world(found.bristles[:end], turned, accuracy.plates),
-            reason=found.reason,
-            totals={name: found.totals.get(name, math.nan) for name in self.quantities},
-            evaluations=found.evaluations,
-            rescues=0,
-            shortened=0,
-            repeats=0,
-            joints=joints,
-            turned=turned,
-        )
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class RobotWalk(Walk):
-    """A walk of a robot: traces at the end of every step.
-
-    Parameters
-    ----------
-    joints : (T, feet, bodies, 2), m
-        Of each leg, places of its bodies from the root to the foot, in x and z.
-    turned : (T, feet), rad
-        Pitch of the feet, positive toe up.
-    """
-
-    joints: Array = field(default_factory=lambda: np.empty((0, 0, 0, 2)))
-    turned: Array = field(default_factory=lambda: np.empty((0, 0)))
-
-    @property
-    def world(self) -> Scene:
-        """The sand of the walk, its effects, and gravity."""
-        found: Scene = self.scene.planar
-        return found
-
-    def pose(self, index: ArrayLike) -> Pose:
-        """Feet from the centre of mass at some samples."""
-        i, place = np.asarray(index), self.joints[:, :, -1] - self.com[:, None]
-        along, rate = (np.gradient(of, self.t, axis=0) for of in (place, self.turned))
-        x, z, vx, vz = (of[i][..., axis] for of in (place, along) for axis in range(2))
-        return Pose(x, z, vx, vz, self.turned[i], rate[i])
-
-    def legs(self, t: ArrayLike) -> Array:
-        """Places of the bodies of each leg at times (M,), (M, feet, bodies, 2), m."""
-        return self._at(self.joints, t)
-
-    def pitch(self, t: ArrayLike) -> Array:
-        """Pitch of the feet at times (M,): (M, feet), rad."""
-        return self._at(self.turned, t)
-
-    def _at(self, traced: Array, t: ArrayLike) -> Array:
-        """A trace at times, linear between its samples."""
-        columns = traced.reshape(len(self.t), -1).T
-        each = [np.interp(np.asarray(t, float), self.t, column) for column in columns]
-        return np.stack(each, axis=-1).reshape(-1, *traced.shape[1:])
-
-    @property
-    def sole(self) -> Plates:
-        plates: Plates = self.scene.plates_of(self.foot, self.accuracy.plates)
-        return plates
+        check_axes(self)
+        return traced(self, foot, accuracy, walk(self, foot, accuracy, self._end, traced=True))
 
 
 @lru_cache(maxsize=64)
@@ -344,7 +278,7 @@ def _ladder(of: Tolerance, robot: Robot, soles: Any, refinements: int) -> tuple[
         return values, (STEP_COST + numbers.plates) / numbers.dt
 
     top = Rung(0 if of.dt else HALVINGS, 0 if of.plates else TOP.plates)
-    found = climb(walked, top, of.error)
+    found = climb(walked, top, of.error, LADDER)
     numbers = at(found.rung)
     finer = 2**refinements
     return replace(numbers, dt=numbers.dt / finer, plates=numbers.plates * finer), found

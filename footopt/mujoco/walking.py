@@ -71,8 +71,8 @@ def walk(robot: Any, foot: Foot | None, accuracy: Accuracy, end: float, traced: 
     mujoco = needed("mujoco", "fo.mujoco.Robot", "mujoco")
     steps = max(1, math.ceil(end / accuracy.dt - 1e-9))
     model, kind = robot.model.at(end / steps), mujoco.mjtState.mjSTATE_FULLPHYSICS
-    data = mujoco.MjData(model)
-    sole = start(robot, model, data, foot)
+    data, sole = posed(robot, model), soles_of(robot, foot) if foot else {}
+    data.qpos[robot.model.height_address()] += rise(robot, data, foot) if foot else 100.0
     contact, sensed, states = None, np.empty((steps + 1, model.nsensordata)), None
     if sole:
         contact = Contact(
@@ -107,25 +107,32 @@ def walk(robot: Any, foot: Foot | None, accuracy: Accuracy, end: float, traced: 
     return judged(robot, t, sensed, sand, states, counts)._replace(bristles=bristles)
 
 
-def start(robot: Any, model: Any, data: Any, foot: Foot | None) -> dict[str, Foot]:
-    """Put a robot where it starts; its soles by name of the body."""
+def posed(robot: Any, model: Any) -> Any:
+    """Data of a robot in the pose in which it starts, wherever the sand is."""
     mujoco = needed("mujoco", "fo.mujoco.Robot", "mujoco")
+    data = mujoco.MjData(model)
     if robot.key is not None:
         mujoco.mj_resetDataKeyframe(model, data, model.key(robot.key).id)
     elif isinstance(robot.controller, Tracker):
         for name, angle in _first_angles(robot.controller).items():
             data.qpos[model.joint(name).qposadr[0]] = angle
-    if foot is None:
-        data.qpos[robot.model.height_address()] += 100.0
-        return {}
     mujoco.mj_kinematics(model, data)
+    return data
+
+
+def check_axes(robot: Any) -> None:
+    """Raise unless the feet's axes are forward and up at the start."""
+    data = posed(robot, robot.model.compiled)
     for name in robot.feet:
         x, _, z = data.body(name).xmat.reshape(3, 3).T
         if x[0] < SQUARE or z[2] < SQUARE:
             hint = "Put a body inside of it that has these axes and no joint, and name that one."
             raise SettingError("robot.feet", name, "a body with x forward and z up at the start", hint)
-    data.qpos[robot.model.height_address()] += rise(robot, data, foot)
-    moved = foot.ankle - robot.model.ankles()[:, AXES]  # for which a body's origin is its ankle
+
+
+def soles_of(robot: Any, foot: Foot) -> dict[str, Foot]:
+    """A robot's soles by name of the body, whose origin each takes for its ankle."""
+    moved = foot.ankle - robot.model.ankles()[:, AXES]
     soles = {tuple(ankle): replace(foot, ankle=tuple(ankle)) for ankle in moved.tolist()}
     return {name: soles[tuple(ankle)] for name, ankle in zip(robot.feet, moved.tolist(), strict=True)}
 
@@ -225,28 +232,3 @@ def judged(robot: Any, t: Array, sensed: Array, sand: Array, states: Array, coun
             totals["tracking_error"] = np.sqrt(np.mean(np.square(missed))) if missed else 0.0
     found = {name: float(value) for name, value in totals.items()}
     return Found(found, reason, counts["evaluations"], t[1 : end + 1], com, velocity, sand, states, sand)
-
-
-def poses(robot: Any, dt: float, states: Array) -> tuple[Array, Array]:
-    """Places of the bodies of each leg, and the feet's pitch, after each step."""
-    mujoco = needed("mujoco", "fo.mujoco.Robot", "mujoco")
-    model, chains = robot.model.at(dt), robot.model.chains()
-    data, long = mujoco.MjData(model), max(map(len, chains))
-    joints = np.empty((len(states), len(chains), long, 2))
-    turned = np.empty((len(states), len(chains)))
-    rows = np.array([[chain[0]] * (long - len(chain)) + chain for chain in chains])
-    feet = rows[:, -1].tolist()
-    for n, state in enumerate(states):
-        mujoco.mj_setState(model, data, state, mujoco.mjtState.mjSTATE_FULLPHYSICS)
-        mujoco.mj_kinematics(model, data)
-        joints[n] = data.xpos[rows][..., AXES]
-        joints[n, :, -1] = ankles(robot, data, feet)[:, AXES]
-        turned[n] = np.arctan2(data.xmat[rows[:, -1], 6], data.xmat[rows[:, -1], 0])
-    return joints, turned
-
-
-def bristles_in_world(h: Array, turned: Array, plates: int) -> NDArray[np.float32]:
-    """Bristles (T, feet, plates, 2) in x and z, the mean of all lines of plates, of those in feet's axes."""
-    x, z = (h[:, :, axis].reshape(*h.shape[:2], -1, plates).mean(axis=2) for axis in AXES)
-    c, s = np.cos(turned)[..., None], np.sin(turned)[..., None]
-    return np.stack([c * x - s * z, s * x + c * z], axis=-1).astype(np.float32)

@@ -34,7 +34,7 @@ from footopt.studies.build import make_accuracy, make_foot, make_scene, make_sim
 from footopt.studies.settings import REPORTS, Config
 from footopt.walk import MEASURES, Accuracy, Scene, Simulator
 from footopt.walk.accuracy import AnyAccuracy, confirming
-from footopt.walk.ladder import ladder, numerics
+from footopt.walk.ladder import SHARE, ladder, numerics
 
 
 class Study:
@@ -256,10 +256,17 @@ def describe_ladder(accuracy: AnyAccuracy, scene: Scene | Simulator, sole: Foot 
         return []
     numbers, found = ladder(accuracy, scene, sole)
     walks = found.price / found.work
-    return [
-        f"Errors within {percent(accuracy.error)} take {numbers.plates} plates and steps of "
-        f"{1e3 * numbers.dt:.3g} ms at most, found in the time of {walks:.0f} walks"
-    ] * math.isfinite(walks)
+    if not math.isfinite(walks):
+        return []
+    with_them = (
+        f"{numbers.plates} plates and steps of {1e3 * numbers.dt:.3g} ms at most, found in the time of "
+        f"{walks:.0f} walks"
+    )
+    if found.error <= SHARE * accuracy.error:
+        return [f"Errors within {percent(accuracy.error)} take {with_them}"]
+    reached = f"are {percent(found.error)}" if math.isfinite(found.error) else "of some are falls"
+    wanted = f"for {percent(accuracy.error)} they should be {percent(SHARE * accuracy.error)}"
+    return [f"Errors of random soles {reached}, where {wanted}, with {with_them}"]
 
 
 def scene_entry(scene: Scene | Simulator, accuracy: Accuracy, names: Sequence[str]) -> dict[str, Any]:

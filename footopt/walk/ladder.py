@@ -211,7 +211,9 @@ def _walked(accuracy: Accuracy, scene: Scene, probes: Any, space: Waypoints | No
     return values, work(walked.counts["evaluations"], walked.counts["plates"]).mean()
 
 
-def climb(walk: Callable[[Rung], tuple[Array, float]], top: Rung, tolerance: float) -> Found:
+def climb(
+    walk: Callable[[Rung], tuple[Array, float]], top: Rung, tolerance: float, most: float = math.inf
+) -> Found:
     """Climb a ladder.
 
     Parameters
@@ -222,6 +224,8 @@ def climb(walk: Callable[[Rung], tuple[Array, float]], top: Rung, tolerance: flo
         The finest of each side.
     tolerance : float
         The relative error of the worst objective.
+    most : float
+        Walks with the numbers that are found, in whose work they are to be found.
     """
     walked: dict[Rung, tuple[Array, float]] = {}
     passed: list[Found] = []
@@ -231,6 +235,9 @@ def climb(walk: Callable[[Rung], tuple[Array, float]], top: Rung, tolerance: flo
         if one not in walked:
             walked[one] = walk(one)
         return walked[one]
+
+    def price() -> float:
+        return sum(len(values) * cost for values, cost in walked.values())
 
     while True:
         values, cost = at(rung)
@@ -247,14 +254,21 @@ def climb(walk: Callable[[Rung], tuple[Array, float]], top: Rung, tolerance: flo
         if passed[-1].error <= allowed or not worth or _in_vain(passed):
             break
         side = max(worth, key=lambda side: worth[side])
-        rung = rung.up(side, 2 if errors[side] > FAR * allowed else 1, top)
-    found = passed[-1]
-    if found.error > allowed:
-        good = NEARLY * min(one.error for one in passed)
-        near = (one for one in passed if one.error <= good < math.inf)
-        found = min(near, key=lambda one: one.work, default=found)
-    price = sum(len(values) * cost for values, cost in walked.values())
-    return found._replace(price=price, path=tuple(one.rung for one in passed))
+        by = 2 if errors[side] > FAR * allowed else 1
+        look = len(values) * (cost + sum(other for ups in finer for _, other in ups))
+        ahead = look * (finer[side][0][1] / cost) ** by
+        if price() + ahead > most * _best(passed, passed[0]).work:
+            break
+        rung = rung.up(side, by, top)
+    found = passed[-1] if passed[-1].error <= allowed else _best(passed, passed[-1])
+    return found._replace(price=price(), path=tuple(one.rung for one in passed))
+
+
+def _best(passed: Sequence[Found], otherwise: Found) -> Found:
+    """The cheapest rung of nearly the smallest error, if there is one that is finite."""
+    good = NEARLY * min(one.error for one in passed)
+    near = (one for one in passed if one.error <= good < math.inf)
+    return min(near, key=lambda one: one.work, default=otherwise)
 
 
 def changes_of(values: Array, others: Array) -> Array:

@@ -75,6 +75,9 @@ class TestTheClimb:
 
         walk = Noise([0.01, 0.01, 0.01])
         assert climb(walk, TOP, 0.005).work < 30.0
+        short = climb(walk, TOP, 0.005, most=60.0)
+        assert short.price <= 60.0 * short.work
+        assert short.error > 0.005
 
     def test_of_one_side_alone_where_others_are_held(self):
         assert climb(Halving([0.1, 0.1, 0.0]), Rung(0, 13, 0), 0.005).rung[0] == 0

@@ -1,0 +1,120 @@
+"""The walk of a robot with its traces, as pictures and pages take it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from footopt.errors import needed
+from footopt.foot import Foot, Plates
+from footopt.gait.gait import Pose
+from footopt.mujoco.walking import AXES, Found, ankles
+from footopt.walk.accuracy import Accuracy
+from footopt.walk.results import Walk
+from footopt.walk.scene import Scene
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class RobotWalk(Walk):
+    """A walk of a robot: traces at the end of every step.
+
+    Parameters
+    ----------
+    joints : (T, feet, bodies, 2), m
+        Of each leg, places of its bodies from the root to the foot, in x and z.
+    turned : (T, feet), rad
+        Pitch of the feet, positive toe up.
+    """
+
+    joints: Array = field(default_factory=lambda: np.empty((0, 0, 0, 2)))
+    turned: Array = field(default_factory=lambda: np.empty((0, 0)))
+
+    @property
+    def world(self) -> Scene:
+        """The sand of the walk, its effects, and gravity."""
+        found: Scene = self.scene.planar
+        return found
+
+    def pose(self, index: ArrayLike) -> Pose:
+        """Feet from the centre of mass at some samples."""
+        i, place = np.asarray(index), self.joints[:, :, -1] - self.com[:, None]
+        along, rate = (np.gradient(of, self.t, axis=0) for of in (place, self.turned))
+        x, z, vx, vz = (of[i][..., axis] for of in (place, along) for axis in range(2))
+        return Pose(x, z, vx, vz, self.turned[i], rate[i])
+
+    def legs(self, t: ArrayLike) -> Array:
+        """Places of the bodies of each leg at times (M,), (M, feet, bodies, 2), m."""
+        return self._at(self.joints, t)
+
+    def pitch(self, t: ArrayLike) -> Array:
+        """Pitch of the feet at times (M,): (M, feet), rad."""
+        return self._at(self.turned, t)
+
+    def _at(self, traced: Array, t: ArrayLike) -> Array:
+        """A trace at times, linear between its samples."""
+        columns = traced.reshape(len(self.t), -1).T
+        each = [np.interp(np.asarray(t, float), self.t, column) for column in columns]
+        return np.stack(each, axis=-1).reshape(-1, *traced.shape[1:])
+
+    @property
+    def sole(self) -> Plates:
+        plates: Plates = self.scene.plates_of(self.foot, self.accuracy.plates)
+        return plates
+
+
+def traced(robot: Any, foot: Foot, accuracy: Accuracy, found: Found) -> RobotWalk:
+    """The walk of a robot from what it left."""
+    end = len(found.t)
+    joints, turned = poses(robot, accuracy.dt, found.states[:end])
+    return RobotWalk(
+        foot=foot,
+        scene=robot,
+        accuracy=accuracy,
+        t=found.t,
+        com=found.com[1 : end + 1, AXES],
+        velocity=found.velocity[1 : end + 1, AXES],
+        force=found.sand[:end, :, AXES],
+        power=found.sand[:end, :, 3],
+        work=found.sand[:end, :, 4],
+        start=found.com[0, AXES],
+        bristles=bristles_in_world(found.bristles[:end], turned, accuracy.plates),
+        reason=found.reason,
+        totals={name: found.totals.get(name, math.nan) for name in robot.quantities},
+        evaluations=found.evaluations,
+        rescues=0,
+        shortened=0,
+        repeats=0,
+        joints=joints,
+        turned=turned,
+    )
+
+
+def poses(robot: Any, dt: float, states: Array) -> tuple[Array, Array]:
+    """Places of the bodies of each leg, and the feet's pitch, after each step."""
+    mujoco = needed("mujoco", "fo.mujoco.Robot", "mujoco")
+    model, chains = robot.model.at(dt), robot.model.chains()
+    data, long = mujoco.MjData(model), max(map(len, chains))
+    joints = np.empty((len(states), len(chains), long, 2))
+    turned = np.empty((len(states), len(chains)))
+    rows = np.array([[chain[0]] * (long - len(chain)) + chain for chain in chains])
+    feet = rows[:, -1].tolist()
+    for n, state in enumerate(states):
+        mujoco.mj_setState(model, data, state, mujoco.mjtState.mjSTATE_FULLPHYSICS)
+        mujoco.mj_kinematics(model, data)
+        joints[n] = data.xpos[rows][..., AXES]
+        joints[n, :, -1] = ankles(robot, data, feet)[:, AXES]
+        turned[n] = np.arctan2(data.xmat[rows[:, -1], 6], data.xmat[rows[:, -1], 0])
+    return joints, turned
+
+
+def bristles_in_world(h: Array, turned: Array, plates: int) -> NDArray[np.float32]:
+    """Bristles (T, feet, plates, 2) in x and z, the mean of all lines of plates, of those in feet's axes."""
+    x, z = (h[:, :, axis].reshape(*h.shape[:2], -1, plates).mean(axis=2) for axis in AXES)
+    c, s = np.cos(turned)[..., None], np.sin(turned)[..., None]
+    return np.stack([c * x - s * z, s * x + c * z], axis=-1).astype(np.float32)
