@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import copy
 import hashlib
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from importlib.util import find_spec
 from pathlib import Path
@@ -15,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.errors import SettingError, check, needed
+from footopt.foot import Foot
 
 Array = NDArray[np.float64]
 
@@ -85,6 +87,23 @@ class Model:
         """It with a time step, s."""
         return _at(self, dt)
 
+    def wearing(self, foot: Foot, density: float) -> Model:
+        """It with feet of the mass and inertia of a sole with its flat top, of a density, kg/m^3."""
+        found, area, (x, z), (xx, zz, xz) = copy.copy(self.compiled), *moments(foot)
+        mean, spread = 0.5 * (xx + zz), math.hypot(0.5 * (xx - zz), xz)
+        along, mass = 0.5 * math.atan2(2.0 * xz, xx - zz), density * foot.width * area
+        least, most, across = mean - spread, mean + spread, foot.width**2 / 12.0
+        for name, ankle in zip(self.feet, self.ankles(), strict=True):
+            row = found.body(name).id
+            check(found.body_simple[row] == 0, "robot.density", density, "null where a foot is all the robot")
+            found.body_sameframe[row], found.body_mass[row] = 0, mass
+            found.body_ipos[row] = ankle[0] + x - foot.ankle[0], 0.0, ankle[2] + z - foot.ankle[1]
+            found.body_iquat[row] = math.cos(0.5 * along), 0.0, -math.sin(0.5 * along), 0.0
+            found.body_inertia[row] = mass * np.array([least + across, mean + mean, most + across])
+        data = needed("mujoco", "fo.mujoco.Robot", "mujoco").MjData(found)
+        needed("mujoco", "fo.mujoco.Robot", "mujoco").mj_setConst(found, data)
+        return replace(self, digest=f"{self.digest} {density} {hash(foot)}", compiled=found)
+
     def sensor(self, name: str) -> slice:
         """Columns of a sensor that was added."""
         found = self.compiled.sensor(name)
@@ -132,6 +151,20 @@ class Model:
                 chain.insert(0, int(m.body_parentid[chain[0]]))
             found.append(chain)
         return found
+
+
+def moments(foot: Foot) -> tuple[float, tuple[float, float], tuple[float, float, float]]:
+    """Area, m^2, centre, m, and variances xx, zz and xz, m^2, of a sole that is closed by a flat top."""
+    top = max(foot.top, foot.contour[:, 1].max())
+    heel, toe = foot.contour[0, 0], foot.contour[-1, 0]
+    p = np.vstack([foot.contour, [[toe, top], [heel, top]]])
+    q = np.roll(p, -1, axis=0)
+    part = 0.5 * (p[:, 0] * q[:, 1] - q[:, 0] * p[:, 1])  # of the triangles to the origin, m^2
+    area, centre = part.sum(), (part @ (p + q)) / (3.0 * part.sum())
+    second = [part @ (p[:, i] * p[:, j] + q[:, i] * q[:, j] + (p + q)[:, i] * (p + q)[:, j]) / (12.0 * area)
+              for i, j in ((0, 0), (1, 1), (0, 1))]  # fmt: skip
+    x, z = centre.tolist()
+    return float(area), (x, z), (second[0] - x * x, second[1] - z * z, second[2] - x * z)
 
 
 @lru_cache(maxsize=16)

@@ -41,7 +41,7 @@ class Robot(Simulator):
     """A robot in MuJoCo, whose feet are designed.
 
     The sole that walks replaces what its feet touch the ground with: a foot's `Foot.ankle` is the hinge of
-    its body, or the origin, with x forward and z up at the start. Their mass and inertia stay.
+    its body, or the origin, with x forward and z up at the start.
 
     Parameters
     ----------
@@ -68,6 +68,8 @@ class Robot(Simulator):
         It has fallen where its centre of mass is lower than so many times its height at the start.
     tilt : float, rad
         Or where its root is inclined by more, against the start.
+    density : float, kg/m^3, optional
+        Of soles, whose mass and inertia with a flat top replace those of the feet; by default these stay.
 
     Raises
     ------
@@ -87,6 +89,7 @@ class Robot(Simulator):
     key: str | None = None
     lowest: float = 0.6
     tilt: float = 1.0
+    density: float | None = None
 
     def __post_init__(self) -> None:
         put, feet = object.__setattr__, (self.feet,) if isinstance(self.feet, str) else tuple(self.feet)
@@ -110,6 +113,8 @@ class Robot(Simulator):
         check(0.0 <= self._after < self._end, "robot.after", self.after, allowed)
         check(0.0 < self.lowest < 1.0, "robot.lowest", self.lowest, "a number between 0 and 1")
         check(0.0 < self.tilt <= math.pi, "robot.tilt", self.tilt, "an angle > 0 and <= pi, in rad")
+        known = self.density is None or 0.0 < self.density <= 1e5
+        check(known, "robot.density", self.density, "a number > 0 and <= 1e5, in kg/m^3")
         if self._told:
             self.controller.commands(self.model.compiled, np.zeros(1))  # names its faults
         keys = [self.model.compiled.key(i).name for i in range(self.model.compiled.nkey)]
@@ -124,7 +129,8 @@ class Robot(Simulator):
     @property
     def quantities(self) -> tuple[str, ...]:
         """What its walks measure."""
-        return MEASURED + ("tracking_error",) * hasattr(self.controller, "targets")
+        more = {"tracking_error": hasattr(self.controller, "targets"), "weight": self.density is not None}
+        return (*MEASURED, *(name for name, measured in more.items() if measured))
 
     @property
     def weight(self) -> float:
@@ -196,6 +202,7 @@ class Robot(Simulator):
             "feet": list(self.feet),
             "controller": type(self.controller).__name__,
             "duration_s": self.duration,
+            "sole_density_kg_m3": self.density,
         }
 
     def plates_of(self, foot: Foot, count: int) -> Plates:

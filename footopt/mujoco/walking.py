@@ -69,10 +69,12 @@ def quiet() -> Iterator[None]:
 def walk(robot: Any, foot: Foot | None, accuracy: Accuracy, end: float, traced: bool = False) -> Found:
     """Walk with a foot, None in the air, to the end, s."""
     mujoco = needed("mujoco", "fo.mujoco.Robot", "mujoco")
-    steps = max(1, math.ceil(end / accuracy.dt - 1e-9))
-    model, kind = robot.model.at(end / steps), mujoco.mjtState.mjSTATE_FULLPHYSICS
+    steps, worn = max(1, math.ceil(end / accuracy.dt - 1e-9)), robot
+    if foot and robot.density is not None:
+        worn = replace(robot, model=robot.model.wearing(foot, robot.density))
+    model, kind = worn.model.at(end / steps), mujoco.mjtState.mjSTATE_FULLPHYSICS
     data, sole = posed(robot, model), soles_of(robot, foot) if foot else {}
-    data.qpos[robot.model.height_address()] += rise(robot, data, foot) if foot else 100.0
+    data.qpos[robot.model.height_address()] += rise(worn, data, foot) if foot else 100.0
     contact, sensed, states = None, np.empty((steps + 1, model.nsensordata)), None
     if sole:
         contact = Contact(
@@ -104,7 +106,8 @@ def walk(robot: Any, foot: Foot | None, accuracy: Accuracy, end: float, traced: 
     finally:
         if contact:
             contact.detach()
-    return judged(robot, t, sensed, sand, states, counts)._replace(bristles=bristles)
+    found = judged(robot, t, sensed, sand, states, counts)
+    return found._replace(bristles=bristles, totals=found.totals | {"weight": worn.weight})
 
 
 def posed(robot: Any, model: Any) -> Any:

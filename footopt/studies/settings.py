@@ -220,6 +220,7 @@ class RobotConfig:
     key: str | None = setting(None, Robot)
     lowest: float = setting(default(Robot, "lowest"), Robot)
     tilt: float = setting(default(Robot, "tilt"), Robot)
+    density: float | None = setting(None, Robot)
 
 
 @dataclass

@@ -193,7 +193,7 @@ def cost_of_transport(raw: Raw, scene: Scene) -> Array:
     NaN for a walker that does not get forward.
     """
     forward = np.where(raw["distance"] > 1e-12, raw["distance"], np.nan)
-    value: Array = raw[scene.transport] / (scene.weight * forward)
+    value: Array = raw[scene.transport] / (raw.get("weight", scene.weight) * forward)
     return value
 
 

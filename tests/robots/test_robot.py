@@ -10,7 +10,7 @@ from footopt.errors import SettingError
 from footopt.mujoco.model import BIPED
 from footopt.walk import FIVE
 
-pytest.importorskip("mujoco")
+mujoco = pytest.importorskip("mujoco")
 SPACE = fo.Waypoints(n=5, K=4)
 COARSE = fo.Accuracy(dt=2e-3, plates=16)
 SOLES = [[1, 2, 3, 2, 1], [4, 3, 2, 3, 4], [4, 4, 4, 4, 4]]
@@ -45,6 +45,42 @@ class TestTheRobot:
         load = walk.force[200:, :, 1].sum(axis=1)
         assert load.mean() == pytest.approx(biped.weight, rel=0.01)
         assert np.ptp(walk.com[:, 1]) < 3e-3
+
+    def test_density_gives_feet_the_inertia_of_their_soles(self, biped):
+        """A box, and a triangle whose legs are the side at the toe and the top; its corner is the ankle."""
+        a, b, w, rho = 0.2, 0.03, 0.08, 700.0
+        box = fo.Foot(np.array([[-a, -b], [a, -b]]), w)
+        wedge = fo.Foot(np.array([[-a, 0.0], [0.0, -b]]), w)
+        i = 0.5 * a * b * w * rho
+        known = {
+            box: (
+                4.0 * i,
+                [0.0, -b / 2.0],
+                4.0 * i * np.array([b**2, 4.0 * a**2 + b**2, 4.0 * a**2, 0.0]) / 12.0,
+            ),
+            wedge: (i, [-a / 3.0, -b / 3.0], i * np.array([b**2, a**2 + b**2, a**2, a * b / 2.0]) / 18.0),
+        }
+        for foot, (mass, centre, (xx, yy, zz, xz)) in known.items():
+            model = biped.model.wearing(foot, rho).compiled
+            row, turn = model.body("right_foot").id, np.empty(9)
+            mujoco.mju_quat2Mat(turn, model.body_iquat[row])
+            turn = turn.reshape(3, 3)
+            width = mass * w**2 / 12.0 * np.array([1.0, 0.0, 1.0])
+            whole = np.diag(np.array([xx, yy, zz]) + width)
+            whole[0, 2] = whole[2, 0] = xz
+            np.testing.assert_allclose(model.body_mass[row], mass)
+            np.testing.assert_allclose(model.body_ipos[row], [centre[0], 0.0, centre[1]], atol=1e-12)
+            np.testing.assert_allclose(turn @ np.diag(model.body_inertia[row]) @ turn.T, whole, atol=1e-12)
+
+    @pytest.mark.slow
+    def test_density_is_carried(self, biped):
+        lead = replace(biped, controller=hold, duration=1.0, after=0.0, density=11_000.0)
+        foot = fo.Foot.flat()
+        walk = fo.simulate(foot, lead, fo.Accuracy(dt=2e-3))
+        more = 2.0 * (11_000.0 * 0.26 * 0.03 * foot.width - biped.model.compiled.body("left_foot").mass[0])
+        load = walk.force[200:, :, 1].sum(axis=1).mean()
+        assert load == pytest.approx(biped.weight + more * biped.g, rel=0.01)
+        assert walk.totals["weight"] == pytest.approx(biped.weight + more * biped.g, rel=1e-9)
 
     @pytest.mark.slow
     def test_plates_add_up_to_the_forces_of_the_trace(self, biped):
@@ -184,6 +220,7 @@ class TestTheRobot:
             ("robot.after", {"after": 3.0}),
             ("robot.key", {"key": "home"}),
             ("robot.tilt", {"tilt": 0.0}),
+            ("robot.density", {"density": 0.0}),
         ],
     )
     def test_what_is_not_in_the_model_is_refused_by_name(self, setting, options):
