@@ -47,24 +47,22 @@ def _dual(stage, number, dx, dz):
     return lambda stage, number, dx, dz: Dual(number, dx, dz)
 
 
-def value(x: Any) -> Any:
-    """Of a number, whatever it is."""
-    return x.value if isinstance(x, Dual) else x
+def _by_kind(of_dual: Any, of_number: Any, options: Any = VALUE) -> Any:
+    """A function that is one thing of a `Dual` and another of any other number, compiled and in Python."""
+
+    def given(x, *rest):
+        return of_dual(x, *rest) if isinstance(x, Dual) else of_number(x, *rest)
+
+    overload(given, strict=False, jit_options=options)(lambda x, *rest: of_dual if is_dual(x) else of_number)
+    return given
 
 
-@overload(value, jit_options=VALUE)
-def _value(x):
-    return (lambda x: x.value) if is_dual(x) else (lambda x: x)
-
-
-def lift(x: Any) -> Dual:
-    """A number as a `Dual`: a plain one is a constant."""
-    return x if isinstance(x, Dual) else Dual(x, 0.0, 0.0)
-
-
-@overload(lift, jit_options=VALUE)
-def _lift(x):
-    return (lambda x: x) if is_dual(x) else (lambda x: Dual(x, 0.0, 0.0))
+#: value(x): of a number, whatever it is.
+value = _by_kind(lambda x: x.value, lambda x: x)
+#: lift(x): a number as a `Dual`; a plain one is a constant.
+lift = _by_kind(lambda x: x, lambda x: Dual(x, 0.0, 0.0))
+#: chain(x, f, slope): a function of x, from its value and its derivative at x, by the chain rule.
+chain = _by_kind(lambda x, f, slope: Dual(f, slope * x.dx, slope * x.dz), lambda x, f, slope: f, DERIVATIVE)
 
 
 @register_jitable(**DERIVATIVE)
@@ -125,18 +123,6 @@ for _symbol, _rule in (
     (operator.truediv, _divide),
 ):
     _offer(_symbol, _rule)
-
-
-def chain(x: Any, f: Any, slope: Any) -> Any:
-    """A function of x, from its value and its derivative at x: the chain rule."""
-    return Dual(f, slope * x.dx, slope * x.dz) if isinstance(x, Dual) else f
-
-
-@overload(chain, jit_options=DERIVATIVE)
-def _chain(x, f, slope):
-    if is_dual(x):
-        return lambda x, f, slope: Dual(f, slope * x.dx, slope * x.dz)
-    return lambda x, f, slope: f
 
 
 @register_jitable(**VALUE)

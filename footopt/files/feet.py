@@ -117,24 +117,15 @@ def _write_svg(path: Path, sole: Array, outline: Array) -> None:
 
 def _write_stl(path: Path, outline: Array, width: float) -> None:
     """Write the body of an outline (p, 2), mm, that runs counter-clockwise, as binary STL."""
-    from shapely import (
-        Polygon,
-        constrained_delaunay_triangles,
-        get_coordinates,
-        orient_polygons,
-        remove_repeated_points,
-    )
+    import shapely
 
     # of points that single precision makes one, a triangle would have no area
-    face = remove_repeated_points(Polygon(outline.astype(np.float32)))
-    clockwise = orient_polygons(constrained_delaunay_triangles(face), exterior_cw=True)
-    caps = get_coordinates(clockwise).reshape(-1, 4, 2)[:, :3]
-    x, z = (column[:, None] for column in get_coordinates(face).T)
-    left, right = (np.hstack([x, np.full_like(x, y), z]) for y in (width / 2, -width / 2))
+    face = shapely.remove_repeated_points(shapely.Polygon(outline.astype(np.float32)))
+    clockwise = shapely.orient_polygons(shapely.constrained_delaunay_triangles(face), exterior_cw=True)
+    cap, rim = shapely.get_coordinates(clockwise).reshape(-1, 4, 2)[:, :3], shapely.get_coordinates(face)
+    left, right = (np.insert(rim, 1, y, axis=1) for y in (width / 2, -width / 2))
     a, b, c, d = left[:-1], left[1:], right[1:], right[:-1]  # corners of the sides
-    ends = [
-        np.insert(corners, 1, y, axis=2) for corners, y in ((caps, width / 2), (caps[:, ::-1], -width / 2))
-    ]
+    ends = np.insert(cap, 1, width / 2, axis=2), np.insert(cap[:, ::-1], 1, -width / 2, axis=2)
     triangles = np.concatenate([*ends, np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
     body = np.zeros(len(triangles), [("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])

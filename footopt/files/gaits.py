@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -122,8 +123,8 @@ def read_strides(
                 "holds markers, and footopt reads joint angles (CSV, MOT, STO): inverse kinematics such as "
                 "OpenSim's gives them."
             )
-        allowed = "a file that ends in .csv, .mot or .sto"
-        check(suffix in (".csv", ".mot", ".sto"), "gait.path", str(path), allowed)
+        known = suffix in (".csv", ".mot", ".sto")
+        check(known, "gait.path", str(path), "a file that ends in .csv, .mot or .sto")
         text = io.read_text(path, "gait.path")
         table = io.parse_table(text if suffix == ".csv" else text.partition("endheader")[2])
         t, angles, whole, notes = _leg(table, names or {}, side)
@@ -136,18 +137,13 @@ def _fit(strides: Strides, harmonics: int | None) -> Gait:
     check_whole(harmonics, "gait.harmonics", 1, 1000)
     if len(strides.phase) < 2 * harmonics + 2:
         raise Unusable(f"needs at least {2 * harmonics + 2} rows of a stride for {harmonics} harmonics.")
-    mean = strides.mean()  # whose last point is the first one again
-    series = {j: Fourier.fit(strides.phase[:-1], curve[:-1], harmonics) for j, curve in mean.items()}
-    misfit = {
-        j: np.degrees(f.at(strides.phase)[0]) - strides.curves[j].mean(axis=0) for j, f in series.items()
-    }
-    return Gait(
-        series["thigh"],
-        series["knee"],
-        series.get("foot"),
-        float(strides.periods.mean()),
-        residual=tuple((joint, float(np.sqrt(np.mean(off**2)))) for joint, off in misfit.items()),
-    )
+    series: dict[str, Any] = {}
+    residual = []
+    for joint, mean in strides.mean().items():  # whose last point is the first one again
+        series[joint] = Fourier.fit(strides.phase[:-1], mean[:-1], harmonics)
+        misfit = np.degrees(series[joint].at(strides.phase)[0]) - strides.curves[joint].mean(axis=0)
+        residual.append((joint, float(np.sqrt(np.mean(misfit**2)))))
+    return Gait(**series, period=float(strides.periods.mean()), residual=tuple(residual))
 
 
 def _leg(

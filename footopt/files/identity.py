@@ -128,12 +128,8 @@ def order(folder: Path) -> tuple[str, int, str]:
 def changed_settings(one: Any, other: Any, name: str = "") -> list[str]:
     """Full names of the settings in which two sets of them differ."""
     if isinstance(one, Mapping) and isinstance(other, Mapping):
-        names = dict.fromkeys([*one, *other])
-        return [
-            found
-            for key in names
-            for found in changed_settings(one.get(key), other.get(key), f"{name}.{key}" if name else str(key))
-        ]
+        each = ((f"{name}.{key}".lstrip("."), one.get(key), other.get(key)) for key in {**one, **other})
+        return [found for full, a, b in each for found in changed_settings(a, b, full)]
     return [] if one == other else [name]
 
 
@@ -149,7 +145,5 @@ def commit() -> str | None:
     command = ["git", "-C", str(ROOT), "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"]
     with suppress(OSError, subprocess.SubprocessError):
         if (ROOT / ".git").exists():
-            return subprocess.run(
-                command, capture_output=True, text=True, timeout=5, check=True
-            ).stdout.strip()
+            return subprocess.check_output(command, text=True, timeout=5, stderr=subprocess.DEVNULL).strip()
     return None

@@ -5,14 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 KINDS = (
-    "design.result.SearchResult",
-    "foot.foot.Foot",
-    "gait.gait.Gait",
-    "sand.media.Sand",
-    "walk.results.Table",
-    "walk.results.Walk",
-    "walk.scene.Scene",
-)
+    "design.result.SearchResult", "foot.foot.Foot", "gait.gait.Gait", "sand.media.Sand",
+    "walk.results.Table", "walk.results.Walk", "walk.scene.Scene",
+)  # fmt: skip
 
 
 def card(thing: object) -> str:

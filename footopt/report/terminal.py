@@ -62,15 +62,8 @@ def table(
     rows: Iterable[Sequence[str | Text]] = (),
 ) -> RichTable:
     """A table that fits into 80 columns if it can: columns of `words` wrap, those of numbers never."""
-    shown = RichTable(
-        title=title,
-        title_justify="left",
-        caption_justify="left",
-        box=box.SIMPLE,
-        show_edge=False,
-        pad_edge=False,
-        padding=(0, 1, 0, 0),
-    )
+    looks: Any = {"title_justify": "left", "caption_justify": "left", "padding": (0, 1, 0, 0)}
+    shown = RichTable(title=title, box=box.SIMPLE, show_edge=False, pad_edge=False, **looks)
     for i, name in enumerate(columns):
         if name in words:
             shown.add_column(name, overflow="fold", min_width=None if i else WORDS)

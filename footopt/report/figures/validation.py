@@ -84,12 +84,9 @@ def _by_name(ax: Axes, own: Comparisons, colours: Sequence[str]) -> None:
 def _parity(ax: Axes, own: Comparisons, colours: Sequence[str]) -> None:
     """Prediction against measurement, with the band in which they agree."""
     for i, (c, colour) in enumerate(zip(own, colours, strict=True)):
-        look = (
-            style.marker(i)
-            | {"color": colour}
-            | ({"mfc": "none", "mew": 0.8, "ms": 5.0} if i else {"ms": 3.5})
-        )
-        ax.plot(c.measured, c.simulated, **look, label=law_name(c.law))  # one law often lies on the other
+        size = {"mfc": "none", "mew": 0.8, "ms": 5.0} if i else {"ms": 3.5}  # one often lies on the other
+        look = style.marker(i) | {"color": colour} | size
+        ax.plot(c.measured, c.simulated, **look, label=law_name(c.law))
     c = own[0]
     every = np.concatenate([c.measured, *(other.simulated for other in own)])
     ends = np.array([every.min(), every.max()])
