@@ -48,6 +48,19 @@ def numbers(values: Sequence[float]) -> tuple[float, ...] | Array:
     return tuple(values) if len(values) <= FEW else np.array(values, dtype=np.float64)
 
 
+def as_floats(effect: Effect, name: str) -> tuple[float, ...]:
+    """A parameter of several numbers, which becomes a tuple of floats."""
+    given = tuple(map(float, getattr(effect, name)))
+    object.__setattr__(effect, name, given)
+    return given
+
+
+def check_factors(setting: str, factors: Sequence[float], count: int, allowed: str) -> None:
+    """Raise unless there are as many factors of a strength as wanted."""
+    good = len(factors) == count and all(1e-6 <= factor <= 1e6 for factor in factors)
+    check(good, setting, list(factors), allowed)
+
+
 class Effect:
     """A walk's questions to an effect; the answers here are those of an effect that changes nothing.
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
-from footopt.effects.base import EFFECTS, MOST, Array, Effect, numbers
+from footopt.effects.base import EFFECTS, MOST, Array, Effect, as_floats, check_factors, numbers
 from footopt.effects.dual import positive
 from footopt.errors import check
 
@@ -53,22 +54,12 @@ class Layers(Effect):
     in_page = True
 
     def __post_init__(self) -> None:
-        depths, factors = tuple(map(float, self.depths)), tuple(map(float, self.factors))
-        object.__setattr__(self, "depths", depths)
-        object.__setattr__(self, "factors", factors)
-        rising = all(a < b for a, b in zip((0.0, *depths), (*depths, math.inf), strict=True))
-        check(
-            rising and 1 <= len(depths) <= MOST,
-            "effects.layers.depths",
-            list(depths),
-            f"1 to {MOST} increasing depths > 0, in m",
-        )
-        check(
-            len(factors) == len(depths) and all(1e-6 <= f <= 1e6 for f in factors),
-            "effects.layers.factors",
-            list(factors),
-            f"{len(depths)} numbers > 0: zeta under each interface over the sand's",
-        )
+        depths, count = as_floats(self, "depths"), len(self.depths)
+        rising = all(a < b for a, b in itertools.pairwise((0.0, *depths, math.inf)))
+        allowed = f"1 to {MOST} increasing depths > 0, in m"
+        check(rising and 1 <= count <= MOST, "effects.layers.depths", list(depths), allowed)
+        allowed = f"{count} numbers > 0: zeta under each interface over the sand's"
+        check_factors("effects.layers.factors", as_floats(self, "factors"), count, allowed)
 
     @property
     def law(self) -> LayersLaw:

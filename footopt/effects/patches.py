@@ -6,7 +6,7 @@ import itertools
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from footopt.effects.base import EFFECTS, MOST, Array, Effect, numbers
+from footopt.effects.base import EFFECTS, MOST, Array, Effect, as_floats, check_factors, numbers
 from footopt.effects.dual import clipped
 from footopt.errors import check
 
@@ -60,29 +60,18 @@ class Patches(Effect):
     in_page = True
 
     def __post_init__(self) -> None:
-        for name in ("begins", "ends", "factors"):
-            object.__setattr__(self, name, tuple(map(float, getattr(self, name))))
-        count = len(self.begins)
-        check(
-            1 <= count <= MOST
-            and len(self.ends) == count
-            and all(abs(at) <= 1e6 for at in (*self.begins, *self.ends)),
-            "effects.patches.ends",
-            list(self.ends),
-            f"as many as effects.patches.begins ({count}), in m",
-        )
-        places = sorted(zip(self.begins, self.ends, strict=True))
+        begins, ends, count = as_floats(self, "begins"), as_floats(self, "ends"), len(self.begins)
+        good = 1 <= count <= MOST and len(ends) == count and all(abs(at) <= 1e6 for at in (*begins, *ends))
+        allowed = f"as many as effects.patches.begins ({count}), in m"
+        check(good, "effects.patches.ends", list(ends), allowed)
+        places = sorted(zip(begins, ends, strict=True))
         for begin, end in places:
             check(begin < end, "effects.patches.ends", end, f"beyond the patch's begin at {begin:g} m")
         for (_, end), (begin, _) in itertools.pairwise(places):
             hint = "Where patches overlap it is not said how strong the sand is: cut them at their edges."
             check(end <= begin, "effects.patches.begins", begin, f"at or beyond the end at {end:g} m", hint)
-        check(
-            len(self.factors) == count and all(1e-6 <= f <= 1e6 for f in self.factors),
-            "effects.patches.factors",
-            list(self.factors),
-            f"{count} numbers > 0: zeta of each patch over the sand's",
-        )
+        allowed = f"{count} numbers > 0: zeta of each patch over the sand's"
+        check_factors("effects.patches.factors", as_floats(self, "factors"), count, allowed)
         check(1e-4 <= self.blur <= 1e3, "effects.patches.blur", self.blur, "a length from 1e-4 to 1000, in m")
 
     @property

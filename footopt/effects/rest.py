@@ -36,13 +36,9 @@ class Rest(Effect):
     length: float = BRISTLE_LENGTH
 
     def __post_init__(self) -> None:
-        check(
-            1e-8 <= self.length <= 1e-3,
-            "effects.rest.length",
-            self.length,
-            "a length from 1e-8 to 1e-3, in m",
-            "It is over that length that the force builds up; 1e-6 changes walks by less than 0.5 %.",
-        )
+        hint = "It is over that length that the force builds up; 1e-6 changes walks by less than 0.5 %."
+        allowed = "a length from 1e-8 to 1e-3, in m"
+        check(1e-8 <= self.length <= 1e-3, "effects.rest.length", self.length, allowed, hint)
 
     @property
     def bristle_length(self) -> float:

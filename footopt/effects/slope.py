@@ -32,13 +32,8 @@ class Slope(Effect):
     in_page = True
 
     def __post_init__(self) -> None:
-        check(
-            -25 <= self.angle <= 25,
-            "effects.slope.angle",
-            self.angle,
-            "an angle from -25 to 25, in deg",
-            "Dry sand itself slides at about 30 deg.",
-        )
+        allowed, hint = "an angle from -25 to 25, in deg", "Dry sand itself slides at about 30 deg."
+        check(-25 <= self.angle <= 25, "effects.slope.angle", self.angle, allowed, hint)
 
     @property
     def is_identity(self) -> bool:

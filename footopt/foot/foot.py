@@ -62,12 +62,9 @@ class Foot:
 
     def __post_init__(self) -> None:
         contour = np.ascontiguousarray(self.contour, float)
-        check(
-            contour.ndim == 2 and contour.shape[1] == 2 and len(contour) >= 2 and np.isfinite(contour).all(),
-            "foot.contour",
-            contour.shape,
-            "at least two points (x_p, z_p), finite, in m",
-        )
+        points = contour.ndim == 2 and contour.shape[1] == 2 and len(contour) >= 2
+        allowed = "at least two points (x_p, z_p), finite, in m"
+        check(points and np.isfinite(contour).all(), "foot.contour", contour.shape, allowed)
         check_dimensions(self.width, self.ankle, self.top)
         object.__setattr__(self, "ankle", tuple(self.ankle))
         object.__setattr__(self, "contour", contour)

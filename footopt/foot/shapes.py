@@ -58,13 +58,8 @@ def reversed_triangle(length: float, apex: str = "middle") -> Array:
     return np.array([[-b, b / 2], [b, -b / 2], [b, b / 2]])
 
 
-SHAPES: dict[str, Callable[..., Array]] = {
-    "ellipse": ellipse,
-    "rectangle": rectangle,
-    "circle": circle,
-    "reversed_l": reversed_l,
-    "reversed_triangle": reversed_triangle,
-}
+_ALL: tuple[Callable[..., Array], ...] = (ellipse, rectangle, circle, reversed_l, reversed_triangle)
+SHAPES = {shape.__name__: shape for shape in _ALL}
 
 
 def _half_oval(a: float, b: float) -> Array:

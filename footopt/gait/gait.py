@@ -87,12 +87,8 @@ class Gait:
 
     def __post_init__(self) -> None:
         check(1e-3 <= self.period <= 1e3, "gait.period", self.period, "a time from 0.001 to 1000, in s")
-        check(
-            0 <= self.start <= 1e5 or self.start == math.inf,
-            "gait.start",
-            self.start,
-            "a time >= 0 and <= 1e5, in s (.inf: stand still)",
-        )
+        allowed = "a time >= 0 and <= 1e5, in s (.inf: stand still)"
+        check(0 <= self.start <= 1e5 or self.start == math.inf, "gait.start", self.start, allowed)
         check(self.pitch in ("shank", "measured"), "gait.pitch", self.pitch, "shank or measured")
         if self.pitch == "measured" and self.foot is None:
             raise SettingError("gait.pitch", "measured", "shank: this gait has no measured pitch of the foot")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from footopt.errors import SettingError, check, is_number
+from footopt.errors import check, is_number
 from footopt.sand.law import GENERIC, StressMap
 
 #: zeta of sands by name: the paper's three, and media measured in the literature
@@ -49,17 +49,12 @@ class Sand:
     fit_error: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
-        check(
-            is_number(self.zeta) and 1e-6 <= self.zeta <= 1e6,
-            "sand.zeta",
-            self.zeta,
-            "a number > 0, from 1e-6 to 1e6 (soft sand 0.2, the generic material 1, hard sand 5)",
-            "Try sand=regular or sand.zeta=1.",
-        )
+        allowed = "a number > 0, from 1e-6 to 1e6 (soft sand 0.2, the generic material 1, hard sand 5)"
+        good = is_number(self.zeta) and 1e-6 <= self.zeta <= 1e6
+        check(good, "sand.zeta", self.zeta, allowed, "Try sand=regular or sand.zeta=1.")
 
     @classmethod
     def named(cls, name: str) -> Sand:
         """A sand of `MEDIA` by its name."""
-        if name not in MEDIA:
-            raise SettingError("sand", name, f"one of {', '.join(MEDIA)}", "Or give sand.zeta.")
+        check(name in MEDIA, "sand", name, f"one of {', '.join(MEDIA)}", "Or give sand.zeta.")
         return cls(zeta=MEDIA[name], name=name)

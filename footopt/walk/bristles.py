@@ -101,10 +101,8 @@ def update_bristles(sole, poses, hip, turning_speed, stage):
         for i in range(last, sole.plates.shape[1]):
             after[foot, 0, i] = after[foot, 1, i] = 0.0
         part = plates_between(sole, None, first, last)
-        h0, (hx, hz) = (
-            bristles_between(stage.before, foot, first, last),
-            bristles_between(after, foot, first, last),
-        )
+        h0 = bristles_between(stage.before, foot, first, last)
+        hx, hz = bristles_between(after, foot, first, last)
         for i in range(len(part.x)):
             motion = kinematics(ankle, part.x[i], part.z[i])
             h = direction(motion, turning_speed, 0.0, h0, i)

@@ -280,16 +280,16 @@ def contact(world, sole, poses, hip, turning_speed, stage, h0, counts):
         force = no_force()
         if first < last:
             counts.plates += last - first
-            ahead, bristles = _of_foot(stage, foot), bristles_between(h0, foot, first, last)
+            ahead, bristles = one_of(stage, foot), bristles_between(h0, foot, first, last)
             force = part_force(world, world.effects, sole, first, last, ankle, turning_speed, ahead, bristles)
         left, right = right, force
     return Contact(left, right, no_turning())
 
 
 @unless_none
-def _of_foot(stage, foot):
-    """One of a pair."""
-    return stage[foot]
+def one_of(many, i):
+    """One of several."""
+    return many[i]
 
 
 @unless_none

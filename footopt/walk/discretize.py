@@ -94,12 +94,9 @@ def poses(scene: Scene, accuracy: Accuracy) -> tuple[Array, Array, tuple[Array, 
     """
     if too_many_poses(scene, accuracy):
         least = accuracy.dt * pose_rows(scene, accuracy) / ROWS
-        raise SettingError(
-            "accuracy.dt",
-            accuracy.dt,
-            f"at least {least:.2g} s for a walk of {scene.duration:g} s",
-            "Or shorten the walk: scene.t_f, gait.period, gait.start.",
-        )
+        allowed = f"at least {least:.2g} s for a walk of {scene.duration:g} s"
+        hint = "Or shorten the walk: scene.t_f, gait.period, gait.start."
+        raise SettingError("accuracy.dt", accuracy.dt, allowed, hint)
     # the same for every sand, mass and effect: what they are kept by in memory
     walker = Walker(l1=scene.walker.l1, l2=scene.walker.l2)
     motion = Scene(gait=scene.gait, walker=walker, t_f=scene.t_f)

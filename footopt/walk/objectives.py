@@ -17,7 +17,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.errors import SettingError, check, is_number
+from footopt.errors import check, is_number
 from footopt.walk.metrics import RAW
 from footopt.walk.scene import Scene
 from footopt.walk.simulator import Simulator
@@ -70,12 +70,8 @@ class Objective:
         """Raise a `SettingError` for a limit that is no finite number, or that no walk could keep."""
         least = -math.inf if self.maximise else self.least
         number = float(limit) if is_number(limit) else math.nan
-        check(
-            math.isfinite(number) and number >= least,
-            setting,
-            limit,
-            "a number" + (f" >= {least:g}" if math.isfinite(least) else ""),
-        )
+        allowed = "a number" + (f" >= {least:g}" if math.isfinite(least) else "")
+        check(math.isfinite(number) and number >= least, setting, limit, allowed)
 
     @property
     def label(self) -> str:
@@ -177,11 +173,7 @@ def efficiency(raw: Raw, scene: Scene) -> Array:
     Factors of the denominator are floored (`FLOORS`), so that a walk that loses nothing is not
     infinitely good. The unit is m^2 / (J W m/s), which the paper does not state.
     """
-    cost = (
-        np.maximum(raw["work"], FLOORS["work"])
-        * np.maximum(raw["peak_power"], FLOORS["peak_power"])
-        * np.maximum(raw["speed_loss"], FLOORS["speed_loss"])
-    )
+    cost = math.prod(np.maximum(raw[name], floor) for name, floor in FLOORS.items())
     value: Array = -(raw["distance"] * raw["mean_height"]) / cost
     return value
 
@@ -293,11 +285,8 @@ def offered(simulator: Simulator | Scene) -> tuple[str, ...]:
 def lookup(names: Sequence[str], simulator: Simulator | Scene | None = None) -> list[Objective]:
     """Objectives by name, in that order; of those that a simulator offers."""
     known = tuple(MEASURES) if simulator is None else offered(simulator)
-    if not names:
-        raise SettingError("objective.names", list(names), f"one or more of {', '.join(known)}")
+    check(names, "objective.names", list(names), f"one or more of {', '.join(known)}")
     for name in names:
-        if name not in known:
-            raise SettingError("objective.names", name, f"made of {', '.join(known)}")
-    if len(set(names)) < len(names):
-        raise SettingError("objective.names", list(names), "free of repetitions")
+        check(name in known, "objective.names", name, f"made of {', '.join(known)}")
+    check(len(set(names)) == len(names), "objective.names", list(names), "free of repetitions")
     return [MEASURES[name] for name in names]

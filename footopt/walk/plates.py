@@ -8,15 +8,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.compiled import unless_none
 from footopt.foot import Plates
 from footopt.gait.gait import Pose
 from footopt.walk.accuracy import Accuracy
-from footopt.walk.contact import TURN, plate_force
+from footopt.walk.contact import TURN, bristles_between, one_of, plate_force
 from footopt.walk.discretize import sole_of, world
 from footopt.walk.own_code import compiled_for
 from footopt.walk.scene import Scene
-from footopt.walk.state import Motion, ankle_of, in_world, plates_between
+from footopt.walk.state import Motion, ankle_of, in_world, plates_between, write
 
 Array = NDArray[np.float64]
 
@@ -100,15 +99,8 @@ def each_plate(
         moving = Motion(hip[m, 0], hip[m, 1], hip[m, 2], hip[m, 3])
         for foot in range(poses.shape[1]):
             ankle = in_world(ankle_of(poses[m], foot), moving)
-            bristles = _bristles_at(h0, m, foot)
+            bristles = bristles_between(one_of(h0, m), foot, 0, len(part.x))
             for i in range(len(part.x)):
                 f = plate_force(world.law, world.effects, part, i, ankle, turning_speed, None, bristles)
-                row, motion = out[m, foot, i], f.motion
-                row[0], row[1], row[2], row[3] = motion.x, motion.z, motion.vx, motion.vz
-                row[4], row[5], row[6], row[7] = f.x, f.z, f.normal_x, f.normal_z
-
-
-@unless_none
-def _bristles_at(h0: Any, m: int, foot: int) -> Any:
-    """Those of a foot at a sample."""
-    return h0[m, foot, 0], h0[m, foot, 1]
+                at = f.motion
+                write(out[m, foot, i], (at.x, at.z, at.vx, at.vz, f.x, f.z, f.normal_x, f.normal_z))

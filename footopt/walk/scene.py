@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from footopt.effects import base as effects
 from footopt.effects.base import Effect, ordered
-from footopt.errors import SettingError, check, check_kind
+from footopt.errors import check, check_kind
 from footopt.gait import Gait
 from footopt.sand import Sand
 from footopt.sand.law import EARTH
@@ -54,12 +54,8 @@ class Walker:
     def __post_init__(self) -> None:
         for name, (unit, low, high) in WALKERS.items():
             value = getattr(self, name)
-            check(
-                low <= value <= high,
-                f"walker.{name}",
-                value,
-                f"a number > 0, from {low:g} to {high:g}, in {unit}",
-            )
+            allowed = f"a number > 0, from {low:g} to {high:g}, in {unit}"
+            check(low <= value <= high, f"walker.{name}", value, allowed)
 
     @property
     def weight(self) -> float:
@@ -102,16 +98,12 @@ class Scene:
         check_kind(self.gait, Gait, "gait", "Try fo.Gait.human() or fo.read_gait(path)")
         check_kind(self.walker, Walker, "walker", "Try fo.Walker(mass=60)")
         object.__setattr__(self, "effects", ordered(self.effects))
-        if self.t_f is None:
-            if math.isinf(self.gait.start):
-                raise SettingError(
-                    "scene.t_f",
-                    None,
-                    "given, in s, for a walker that stands still",
-                    "Try scene.t_f=10, or a finite gait.start.",
-                )
-        else:
-            check(0 < self.t_f <= 1e5, "scene.t_f", self.t_f, "a time > 0 and <= 1e5, in s")
+        allowed, hint = (
+            "given, in s, for a walker that stands still",
+            "Try scene.t_f=10, or a finite gait.start.",
+        )
+        check(self.t_f is not None or math.isfinite(self.gait.start), "scene.t_f", None, allowed, hint)
+        check(self.t_f is None or 0 < self.t_f <= 1e5, "scene.t_f", self.t_f, "a time > 0 and <= 1e5, in s")
 
     @property
     def duration(self) -> float:
@@ -142,17 +134,10 @@ class Scene:
 
     def entry(self) -> dict[str, Any]:
         """What it is, for result.json."""
-        return {
-            "gait": {
-                "name": self.gait.name,
-                "period_s": self.gait.period,
-                "pitch": self.gait.pitch,
-                "source": self.gait.source,
-                "fit_residual_deg": dict(self.gait.residual),
-            },
-            "walker": asdict(self.walker),
-            "t_f_s": self.duration,
-        }
+        g = self.gait
+        about = {"name": g.name, "period_s": g.period, "pitch": g.pitch, "source": g.source}
+        gait = {**about, "fit_residual_deg": dict(g.residual)}
+        return {"gait": gait, "walker": asdict(self.walker), "t_f_s": self.duration}
 
     @property
     def g(self) -> float:
@@ -193,17 +178,9 @@ class Scene:
 
     def need_heel_strike(self) -> None:
         """Raise unless the walk has a heel strike: without one p_max and dV_x are not defined."""
-        if math.isinf(self.gait.start):
-            raise SettingError(
-                "gait.start",
-                self.gait.start,
-                "finite to compare feet: this walker stands still",
-                "It can be simulated (study=simulate), not searched over.",
-            )
-        check(
-            self.duration > self.gait.heel_strike,
-            "scene.t_f",
-            self.duration,
-            f"later than the first heel strike at {self.gait.heel_strike:g} s to compare feet",
-            "A shorter scene can be simulated (study=simulate), not searched over.",
-        )
+        start, strike = self.gait.start, self.gait.heel_strike
+        hint = "It can be simulated (study=simulate), not searched over."
+        allowed = "finite to compare feet: this walker stands still"
+        check(math.isfinite(start), "gait.start", start, allowed, hint)
+        allowed = f"later than the first heel strike at {strike:g} s to compare feet"
+        check(self.duration > strike, "scene.t_f", self.duration, allowed, hint)

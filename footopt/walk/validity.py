@@ -24,6 +24,20 @@ Ints = NDArray[np.int64]
 
 SAMPLES = 600  # instants of the walk that are looked at
 
+#: What is looked at, and why a value above its limit is doubtful.
+WHY = {
+    "depth of the sole": "RFT's growth with depth is tested to about one plate width",
+    "depth of the ankle": "only the sole feels the sand, not the leg",
+    "force-weighted plate speed": "RFT is tested for slow motion",
+    "inertial share of the force": "the sand's inertia is left out; effects=inertia counts it",
+    "share of |W| on trailing faces":
+        "faces that trail are counted as in the paper; effects=leading_edge leaves them out",
+    "sinking while standing": "the smoothed law lets a walker that stands sink; effects=rest holds it",
+    "power that the sand gives":
+        "such a sand pushes plates along, and a walk's end may hang on the accuracy; see sand.coefficients",
+}  # fmt: skip
+RARE = ("sinking while standing", "power that the sand gives")  # told only where they are beyond their limit
+
 
 @dataclass(frozen=True)
 class Diagnostic:
@@ -84,51 +98,15 @@ def diagnose(walk: Walk) -> list[Diagnostic]:
     pushes = laws(counted or [kind() for kind in EFFECTS.values() if kind.is_inertia]).pushes
     inertia = lasts * effects.push(pushes, vn, depth) * states.area
     total_force, total_power = max(size.sum(), 1e-300), max(power.sum(), 1e-300)
-    return [
-        Diagnostic(
-            "depth of the sole",
-            float(depth.max()),
-            "m",
-            walk.foot.width,
-            "RFT's growth with depth is tested to about one plate width",
-        ),
-        Diagnostic(
-            "depth of the ankle", ankle_depth(walk), "m", 0.0, "only the sole feels the sand, not the leg"
-        ),
-        Diagnostic(
-            "force-weighted plate speed",
-            float((size * speed).sum() / total_force),
-            "m/s",
-            0.5,
-            "RFT is tested for slow motion",
-        ),
-        Diagnostic(
-            "inertial share of the force",
-            float(inertia.sum() / total_force),
-            "",
-            math.inf if counted else 0.05,
-            "the sand's inertia is left out; effects=inertia counts it",
-        ),
-        Diagnostic(
-            "share of |W| on trailing faces",
-            float(power[vn < 0].sum() / total_power),
-            "",
-            0.2,
-            "faces that trail are counted as in the paper; effects=leading_edge leaves them out",
-        ),
-        *(d for d in _rare(walk) if d.outside),
-    ]
-
-
-def _rare(walk: Walk) -> list[Diagnostic]:
-    """Diagnostics of walks that leave the tested range."""
-    sinks = 0.0 if walk.scene.holds else creep_while_standing(walk)
-    gives = -walk.scene.sand.stress_map.dissipation()
-    pushes = (
-        "such a sand pushes plates along, and how a walk ends may hang on the accuracy; see sand.coefficients"
+    trailing, sinks = power[vn < 0].sum(), 0.0 if walk.scene.holds else creep_while_standing(walk)
+    rows = (  # the value, its unit, and its limit
+        (float(depth.max()), "m", walk.foot.width),
+        (ankle_depth(walk), "m", 0.0),
+        (float((size * speed).sum() / total_force), "m/s", 0.5),
+        (float(inertia.sum() / total_force), "", math.inf if counted else 0.05),
+        (float(trailing / total_power), "", 0.2),
+        (sinks, "m", 1e-3),
+        (-walk.scene.sand.stress_map.dissipation(), "N/cm^3", 0.0),  # no error bound holds beyond it
     )
-    lets = "the smoothed law lets a walker that stands sink; effects=rest holds it"
-    return [
-        Diagnostic("sinking while standing", sinks, "m", 1e-3, lets),
-        Diagnostic("power that the sand gives", gives, "N/cm^3", 0.0, pushes),  # no error bound holds there
-    ]
+    found = [Diagnostic(name, *row, why) for (name, why), row in zip(WHY.items(), rows, strict=True)]
+    return [d for d in found if d.outside or d.name not in RARE]
