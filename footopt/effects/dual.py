@@ -97,11 +97,8 @@ def _multiply(a, b):
 def _divide(a, b):
     a, b = lift(a), lift(b)
     ratio, inverse = a.value / b.value, 1.0 / b.value
-    dx, dz = (
-        combined(inverse, a.dx, -ratio * inverse, b.dx),
-        combined(inverse, a.dz, -ratio * inverse, b.dz),
-    )
-    return Dual(ratio, dx, dz)
+    slope = -ratio * inverse
+    return Dual(ratio, combined(inverse, a.dx, slope, b.dx), combined(inverse, a.dz, slope, b.dz))
 
 
 def _offer(symbol: Callable[..., Any], rule: Callable[..., Any]) -> None:
@@ -116,13 +113,10 @@ def _offer(symbol: Callable[..., Any], rule: Callable[..., Any]) -> None:
 
 
 setattr(Dual, "__array_ufunc__", None)  # noqa: B010  an array on the left leaves the operation to the number
-for _symbol, _rule in (
-    (operator.add, _add),
-    (operator.sub, _subtract),
-    (operator.mul, _multiply),
-    (operator.truediv, _divide),
-):
-    _offer(_symbol, _rule)
+_offer(operator.add, _add)
+_offer(operator.sub, _subtract)
+_offer(operator.mul, _multiply)
+_offer(operator.truediv, _divide)
 
 
 @register_jitable(**VALUE)

@@ -132,11 +132,13 @@ def turns_within(points: Array, parts: int) -> Array:
 def along_arc(polyline: Array, plates: int, parts: int) -> Array:
     """Points along the arc of a polyline (m, 2), m: (plates parts + 1, 2), m, at equal steps between corners.
 
-    At a corner (`corners` of its `turns`) one plate ends and the next begins: a plate around it would have
-    the mean of two directions. Between two corners plates are equally long.
+    At a corner, where it turns by more than `CORNER`, one plate ends and the next begins: a plate around it
+    would have the mean of two directions. There are at most half as many corners as plates, the sharpest.
     """
     arc, turns = arc_and_turns(polyline)
-    ends = np.concatenate([[0.0], arc[corners(turns, (plates - 1) // 2)], arc[-1:]])
+    corners = np.flatnonzero(np.abs(turns) > CORNER)
+    corners = np.sort(corners[np.argsort(-np.abs(turns[corners]), kind="stable")[: (plates - 1) // 2]])
+    ends = np.concatenate([[0.0], arc[corners], arc[-1:]])
     share = np.diff(ends) / arc[-1] * (plates - len(ends) + 1)
     count = 1 + share.astype(np.int64)  # one each, and the others by length
     rest = np.argsort(-(share % 1.0), kind="stable")[: plates - count.sum()]
@@ -161,13 +163,6 @@ def placed(polyline, arc, ends, counts):
             k += 1
     points[k] = polyline[-1]
     return points
-
-
-def corners(turns: Array, most: int) -> NDArray[np.int64]:
-    """The points where a polyline turns by more than `CORNER`, rad: the `most` sharpest of them."""
-    sharp = np.abs(turns)
-    found = np.flatnonzero(sharp > CORNER)
-    return np.sort(found[np.argsort(-sharp[found], kind="stable")[:most]])
 
 
 @cached_njit(nogil=True, error_model="numpy")

@@ -122,13 +122,13 @@ long_pose_tables = lru_cache(maxsize=LONG_ONES)(_pose_tables)
 def soles(plates: Plates) -> Sole:
     """Plates of all designs in whole blocks (the last one repeated without area), each in a rectangle."""
     extra = -plates.x.shape[1] % LANES
-    x, z = _padded(plates.x, extra), _padded(plates.z, extra)
+    padded = partial(np.pad, pad_width=((0, 0), (0, extra)), mode="edge")
+    x, z = padded(plates.x), padded(plates.z)
     blocks = [column.reshape(len(column), -1, LANES) for column in (x, z)]
     (low_x, low_z), (high_x, high_z) = ([q.min(axis=2) for q in blocks], [q.max(axis=2) for q in blocks])
-    area = _padded(plates.area, extra, 0.0)
-    columns = [x, z, _padded(plates.c2, extra), _padded(plates.s2, extra), area]
-    tangent = [column for column in (plates.tx, plates.tz, plates.turn) if column is not None]
-    columns += [_padded(column, extra) for column in tangent]
+    area = np.pad(plates.area, ((0, 0), (0, extra)))
+    tangent = [padded(column) for column in (plates.tx, plates.tz, plates.turn) if column is not None]
+    columns = [x, z, padded(plates.c2), padded(plates.s2), area, *tangent]
     middle, half = (0.5 * (low_x + high_x), 0.5 * (low_z + high_z)), (high_x - low_x, high_z - low_z)
     return Sole(
         plates=np.stack(columns, axis=1),
@@ -143,9 +143,3 @@ def sole_of(plates: Plates) -> Sole:
     """The first foot's plates, as one contact takes them."""
     first: Sole = sole_at(soles(plates), 0)
     return first
-
-
-def _padded(column: Array, extra: int, value: float | None = None) -> Array:
-    """A column with more plates at the end: the last one again, or a value."""
-    last = column[..., -1:] if value is None else np.full((len(column), 1), value)
-    return np.concatenate([column, np.repeat(last, extra, axis=-1)], axis=-1)

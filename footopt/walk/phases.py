@@ -36,11 +36,9 @@ def stance(walk: Walk, step: int = 0) -> Stance | None:
     after = np.flatnonzero(on & (walk.t >= strike - 1e-9))
     if len(after) == 0:
         return None
-    at = int(after[0])
-    off = np.flatnonzero(~on)
-    before, behind = off[off < at], off[off > at]
-    first = int(before[-1]) + 1 if len(before) else 0
-    last = int(behind[0]) - 1 if len(behind) else len(on) - 1
+    at, off = int(after[0]), np.concatenate([[-1], np.flatnonzero(~on), [len(on)]])
+    behind = int(np.searchsorted(off, at))
+    first, last = int(off[behind - 1]) + 1, int(off[behind]) - 1
     dragged = bool(walk.t[first] < strike - quarter)
     return Stance(at if dragged else first, last, dragged, foot)
 
