@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import pickle
 import threading
 from collections.abc import Mapping, Sequence
@@ -12,9 +13,9 @@ from numpy.typing import NDArray
 
 from footopt.effects import Effect, reshaping
 from footopt.effects.base import BRISTLE_LENGTH
-from footopt.errors import SettingError, needed
+from footopt.errors import SettingError, check, needed
 from footopt.foot import Foot, Plates
-from footopt.mujoco.callback import ATTACHED, MOST, callback, compiled, functions
+from footopt.mujoco.callback import ATTACHED, FORGOT, MOST, callback, compiled, functions
 from footopt.mujoco.faces import COLUMNS
 from footopt.mujoco.implicit import ROOM
 from footopt.mujoco.intrusion import Grains, xi_of
@@ -30,6 +31,8 @@ Array = NDArray[np.float64]
 #: Contacts in use by the address of their MjData: all that the callback reads has to stay where it is.
 _KEPT: dict[int, Contact] = {}
 _LOCK = threading.Lock()
+#: Names of feet as MuJoCo reads them, and its own `set_mjcb_passive` while `_refuse` stands for it.
+_NAMES, _SET = dict[str, Any](), list[Any]()
 
 
 class Contact:
@@ -92,9 +95,10 @@ class Contact:
             raise SettingError("effects", "an inclined plane", "on a level one", "Tilt model.opt.gravity.")
         bodies, tables, first, soles = np.zeros(len(feet), BODY), [], 0, dict[int, Array]()
         rows = [mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name) for name in feet]
-        if min(rows) < 0:
+        check(data.model is model, "data", data, "of this model", "mujoco.MjData(model)")
+        if min(rows) < 1:
             names = [model.body(i).name for i in range(1, model.nbody)]
-            name = list(feet)[rows.index(-1)]
+            name = list(feet)[rows.index(min(rows))]
             raise SettingError("feet", name, f"the name of a body: {', '.join(names)}")
         self.lines = 1 if _in_one_plane(mujoco, model, data, rows) else 2
         for body, row, foot in zip(bodies, rows, feet.values(), strict=True):
@@ -111,6 +115,7 @@ class Contact:
             body["reach"] = np.linalg.norm(table[:3], axis=0).max()
             tables.append(table.ravel())
             first += table.shape[1]
+            _need_no_floor(model, row, body["reach"])
         step, n = np.zeros(1, STEP), 6 * len(feet)
         step["start"], step["dt"], step["gravity"] = -np.inf, model.opt.timestep, model.opt.gravity
         step["rk4"] = model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
@@ -118,7 +123,8 @@ class Contact:
         once = compiled_once(found)
         step["shut"] = once.shut
         jacobian = np.zeros((n, model.nv))
-        outside = (*functions(), step["time"].ctypes.data, jacobian.ctypes.data)
+        own, words = (step["time"].ctypes.data, jacobian.ctypes.data), ctypes.addressof(FORGOT)
+        outside = (*functions("mj_getState", "mj_jacBody"), *own, *functions("mju_warning"), words)
         self._space = Workspace(
             step, bodies, _freedoms(mujoco, model), model.M_colind[None].astype(np.int64), data.M[None],
             data.xpos, data.xmat.reshape(-1, 9), data.qvel[None], data.qfrc_passive[None],
@@ -227,6 +233,16 @@ def _mesh(mujoco: Any, model: Any, body: int, name: str) -> Array:
     return np.array([*(a + b + c).T / 3.0, area, *n, *np.zeros((COLUMNS - 7, len(area)))])
 
 
+def _need_no_floor(model: Any, row: int, reach: float) -> None:
+    """Raise if a plane or a height field of the world would carry a foot in the sand."""
+    own, types, others = model.geom_bodyid == row, model.geom_contype, model.geom_conaffinity
+    floors = (model.geom_bodyid == 0) & (model.geom_type < 2) & (model.geom_pos[:, 2] > -reach)
+    meet = types[own, None] & others[floors] | others[own, None] & types[floors]
+    check(
+        not meet.any(), "model", "a floor", "one that the feet do not touch", "Zero its contype, conaffinity."
+    )
+
+
 def _of_servos(model: Any, term: int) -> Any:
     """Stiffness (term 1) or damping (2) of actuators on joints, by degree of freedom, (nv,)."""
     acts = np.flatnonzero((model.actuator_trntype == 0) & (model.actuator_biastype == 1))  # joint, affine
@@ -256,10 +272,12 @@ def _keep(contact: Contact) -> None:
         free = rows if len(rows) else np.flatnonzero(ATTACHED[:, 0] == 0)
         if len(free) == 0:
             raise SettingError("data", f"number {MOST + 1}", f"at most {MOST} at once", "Detach one.")
+        _passive(callback())
         _KEPT[address] = contact
-        ATTACHED[free[0], 1:] = contact.addresses.ctypes.data, contact._compiled.address
+        name = _NAMES.setdefault(contact.names[0], ctypes.create_string_buffer(contact.names[0].encode()))
+        foot = ctypes.addressof(name), 1e6 * contact._bodies["reach"][0]
+        ATTACHED[free[0], 1:] = contact.addresses.ctypes.data, contact._compiled.address, *foot
         ATTACHED[free[0], 0] = address
-        _passive(callback())  # whatever has been set meanwhile
 
 
 def _drop(contact: Contact) -> None:
@@ -274,6 +292,16 @@ def _drop(contact: Contact) -> None:
 
 
 def _passive(function: Any) -> None:
+    """Set MuJoCo's one passive callback, which no other replaces until it is None again."""
     import mujoco
 
-    mujoco.set_mjcb_passive(function)
+    if mujoco.get_mjcb_passive() not in (None, callback()):
+        _refuse(mujoco.get_mjcb_passive())
+    _SET[:] = _SET or [mujoco.set_mjcb_passive]
+    _SET[0](function)
+    mujoco.set_mjcb_passive = _refuse if function else _SET.pop()
+
+
+def _refuse(function: Any) -> None:
+    """Stands for `mujoco.set_mjcb_passive` while feet are on sand."""
+    raise SettingError("mjcb_passive", function, "footopt's or None", "Detach the sand, or set None before.")

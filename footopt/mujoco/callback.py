@@ -21,12 +21,16 @@ from footopt.compiled import FAST, kept
 from footopt.errors import needed
 from footopt.mujoco import step as steps
 from footopt.mujoco.implicit import solve
-from footopt.mujoco.step import BODY, FREEDOM, HOLD, MEAN, STEP, WHOLE, Workspace
+from footopt.mujoco.step import BODY, FREEDOM, HOLD, MEAN, RESTART, STEP, WHOLE, Workspace
 from footopt.walk.own_code import own_code
 
 MOST = 256  # models on sand at once in one process
-#: Models that are attached: address of its MjData, of its `Contact.addresses`, and of its compiled step.
-ATTACHED = np.zeros((MOST, 3), np.int64)
+#: Models that are attached: addresses of its MjData, of its `Contact.addresses`, of its compiled step and of
+#: its first foot's name, which is never freed, and micrometres from its origin to its farthest face.
+ATTACHED = np.zeros((MOST, 5), np.int64)
+#: What is said of a foot that falls through the sand, and of sand that has lost its bristles.
+LOST = ctypes.create_string_buffer(b"footopt: a foot fell through: this MjData has no sand; attach it, too")
+FORGOT = ctypes.create_string_buffer(b"footopt: time or time step jumped: sand about the feet began anew")
 
 
 def _pointer(typingctx: Any, address: Any) -> Any:
@@ -39,15 +43,14 @@ def _pointer(typingctx: Any, address: Any) -> Any:
 
 
 def _call(typingctx: Any, function: Any, arguments: Any) -> Any:
-    """Call the function at an address with a tuple of whole numbers."""
+    """Call the function at an address with a tuple of whole numbers: the one that it returns, if it does."""
 
     def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         given = cgutils.unpack_tuple(builder, args[1])
-        kind = ir.FunctionType(ir.VoidType(), [argument.type for argument in given])
-        builder.call(builder.inttoptr(args[0], kind.as_pointer()), given)
-        return context.get_dummy_value()
+        kind = ir.FunctionType(ir.IntType(32), [argument.type for argument in given])
+        return builder.call(builder.inttoptr(args[0], kind.as_pointer()), given)
 
-    return types.void(function, arguments), generate
+    return types.int32(function, arguments), generate
 
 
 def _workspace(typingctx: Any, table: Any) -> Any:
@@ -85,11 +88,10 @@ def library() -> ctypes.CDLL:
     return ctypes.CDLL(str(paths[0]))
 
 
-@lru_cache(maxsize=1)
-def functions() -> tuple[int, ...]:
-    """Addresses of mj_getState and mj_jacBody."""
-    given = library().mj_getState, library().mj_jacBody
-    return tuple(ctypes.cast(function, ctypes.c_void_p).value or 0 for function in given)
+@lru_cache
+def functions(*names: str) -> tuple[int, ...]:
+    """Addresses of functions of MuJoCo's."""
+    return tuple(ctypes.cast(getattr(library(), name), ctypes.c_void_p).value or 0 for name in names)
 
 
 @lru_cache
@@ -107,6 +109,8 @@ def compiled(effects: bytes, meshes: bool | None) -> Any:
             call(outside[1], (model, data, linear, linear + 24 * columns, body))
         if steps.begin(space, meaning):
             solve(space, acting, meshes)
+            if meaning == RESTART and space.step[0].restarts == 2 and space.step[0].time > 0.0:
+                call(outside[4], (outside[5],))  # it forgets for the first time
         if meaning != HOLD:
             steps.leave_trace(space)
         for i in range(len(space.jacobian)):
@@ -127,15 +131,24 @@ def compiled(effects: bytes, meshes: bool | None) -> Any:
 
 @lru_cache(maxsize=1)
 def callback() -> Any:
-    """The function that MuJoCo calls; it does nothing unless its mjData is `ATTACHED`."""
-    table_address = ATTACHED.ctypes.data
+    """The function that MuJoCo calls; where mjData is not `ATTACHED`, it stops feet that fall through."""
+    table_address, lost = ATTACHED.ctypes.data, ctypes.addressof(LOST)
+    row_of, place_of, stop = functions("mj_name2id", "mj_local2Global", "mju_error")
 
     @cfunc(types.void(types.intp, types.intp))
     def passive(model, data):
-        table = carray(pointer(table_address), (MOST, 3), np.int64)
+        table = carray(pointer(table_address), (MOST, 5), np.int64)
         for row in range(MOST):
             if table[row, 0] == data:
                 call(table[row, 2], (model, data, table[row, 1]))
                 return
+        place = np.zeros(3)
+        at = place.ctypes.data
+        for row in range(MOST):
+            body = call(row_of, (model, np.int32(1), table[row, 3])) if table[row, 0] else -1  # mjOBJ_BODY
+            if body > 0:
+                call(place_of, (data, at, 0, at, 0, body, np.uint8(1)))  # mjSAMEFRAME_BODY
+                if place[2] < -1e-6 * table[row, 4]:
+                    call(stop, (lost,))
 
     return passive.ctypes

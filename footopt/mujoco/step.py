@@ -100,7 +100,7 @@ class Workspace(NamedTuple):
     stiffness: Any  # (6 b, 6): dF/dV of the near bodies
     system: Any  # (6 b + 1, 6 b + 1): of equations
     room: Any  # (`implicit.ROOM`, 6 b)
-    outside: Any  # (1, 4): addresses of mj_getState, mj_jacBody, the step's time and the Jacobian
+    outside: Any  # (1, 6): addresses of mj_getState, mj_jacBody, time, Jacobian, mju_warning, its words
 
 
 WHOLE = ("columns", "chosen", "outside")  # are whole numbers

@@ -57,10 +57,7 @@ def run(study: Study) -> None:
 
 
 def counts(found: Sequence[Comparison], share: float = 1.0) -> dict[str, int]:
-    """How many experiments are predicted in all their quantities, in some, and in none, by their best law.
-
-    Comparisons without a verdict do not count. `share` multiplies the uncertainty of the data.
-    """
+    """Experiments by what their best law predicts; `share` multiplies the uncertainty of the data."""
     agree: dict[str, dict[tuple[str, ...], list[bool]]] = {}
     for c in found:
         if not c.apart:
@@ -75,11 +72,9 @@ def summary(found: Sequence[Comparison]) -> str:
     """The count of experiments, and how it depends on the uncertainty of the data, which is often assumed."""
     own, halved, doubled = (counts(found, share) for share in (1.0, 0.5, 2.0))
     told = ", ".join(f"{number} {met}" for met, number in own.items())
-    least = MET[2]
     return (
-        f"Of {sum(own.values())} experiments with measured data the best of the laws predicts {told}. With "
-        f"half the uncertainty of the data {halved[least]} would be predicted {least}, with twice of it "
-        f"{doubled[least]}."
+        f"Of {sum(own.values())} experiments with measured data the best of the laws predicts {told}; with "
+        f"half the uncertainty of the data {halved[MET[2]]} {MET[2]}, with twice of it {doubled[MET[2]]}."
     )
 
 

@@ -23,7 +23,6 @@ from footopt.studies.validate import MET, cells, counts
 from footopt.studies.validation import model, rig
 from footopt.studies.validation.compare import (
     AGREES,
-    ASSUMED,
     DIFFERS,
     OPEN,
     UNITS,
@@ -107,12 +106,18 @@ class TestComparison:
             one, simulated=np.array([1.1, 5.0]), measured=np.ones(2), inside=np.array([True, False])
         )
         assert (two.verdict, two.size) == (AGREES, pytest.approx(0.1))
-        assert replace(one, apart=ASSUMED).verdict == ASSUMED
+        assert replace(one, apart="data assumed").verdict == "data assumed"
 
     def test_experiments_are_counted_by_the_law_that_meets_most_of_them(self):
         good, bad = self.made(0.0, experimental=0.1), self.made(1.0, experimental=0.1)
         edge = [replace(c, law=("leading_edge",)) for c in (good, bad)]
-        found = [bad, bad, *edge, replace(good, experiment="f"), replace(bad, experiment="g", apart=ASSUMED)]
+        found = [
+            bad,
+            bad,
+            *edge,
+            replace(good, experiment="f"),
+            replace(bad, experiment="g", apart="data assumed"),
+        ]
         assert counts(found) == dict(zip(MET, (1, 1, 0), strict=True))
 
 

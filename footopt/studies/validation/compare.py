@@ -30,7 +30,6 @@ COARSE = 0.5  # of the data's scale: where COVERAGE u is more, agreement says no
 UNITS = {"mm": 1e-3, "N": 1.0, "N/cm3": 1e6, "1": 1.0, "body weights": 1.0}
 
 AGREES, DIFFERS, OPEN = "agrees", "differs", "undecided"
-ASSUMED, FORM = "data assumed", "by its form"  # no verdict: nothing was measured, or nothing could differ
 
 
 def rms(values: Array) -> float:
@@ -143,7 +142,7 @@ class Experiment:
                 inputs=np.sqrt(np.sum(np.square(halves), axis=0)) + none,
                 experimental=np.asarray(q["uncertainty"]) * (scale if q.get("relative") else 1.0) + none,
                 scale=scale, inside=inside,
-                apart=ASSUMED if q.get("assumed") else FORM if list(law) in q.get("form", []) else "",
+                apart=q.get("apart", ""),
             )  # fmt: skip
             found.append(comparison)
         return found

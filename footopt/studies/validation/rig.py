@@ -32,7 +32,7 @@ Body = Callable[..., Array]
 CREEP = 1e-6  # m/s, of bodies that move at about 1 m/s
 BISECTIONS = 50
 FIRM = 1e3  # zeta of firm ground
-DOWN, ALONG = (0.0, -1.0), (1.0, 0.0)
+DOWN = (0.0, -1.0)
 
 
 def body(foot: Foot, scene: Scene, plates: int) -> Body:
@@ -95,11 +95,7 @@ def rolling(setup: Values) -> tuple[Array, Array]:
 
 
 def grousers(setup: Values, inputs: Values, scene: Scene, fine: bool) -> dict[str, Array]:
-    """A wheel with grousers: its gain in drawbar over a smooth wheel of its radius, and how slip sinks it.
-
-    Both are of means over the positions of the grousers, each of which carries the load; the sinkage is
-    over that at the first slip.
-    """
+    """Of grousers, over their positions: gain in drawbar over a smooth wheel, sinkage over the first's."""
     tip, count, plates, phases = setup["radius"], setup["grousers"], 1600 if fine else 800, 8 if fine else 4
     angle = np.radians(np.linspace(-80.0, 80.0, 3201))  # from straight down
     velocity, rate = rolling(setup)
@@ -131,12 +127,6 @@ def growth(setup: Values, inputs: Values, scene: Scene, fine: bool) -> dict[str,
     depth = np.geomspace(setup["depths"][0], setup["depths"][1], 40 if fine else 20)
     force = body(flat(setup["size"], setup["size"]), scene, 8)(-depth, DOWN, 0.0)
     return {"exponent": np.polyfit(np.log(depth), np.log(force[:, 1]), 1)[0]}
-
-
-def extraction(setup: Values, inputs: Values, scene: Scene, fine: bool) -> dict[str, Any]:
-    """Resistance of a level plate that is pulled up, over that of one that is pushed down."""
-    push, pull = plate({"pairs": [(0.0, 90.0), (0.0, -90.0)]}, inputs, scene, fine)["alpha_z"]
-    return {"pull over push": abs(pull) / push}
 
 
 def friction(setup: Values, inputs: Values, scene: Scene, fine: bool) -> dict[str, Array]:
@@ -193,5 +183,5 @@ def walker(setup: Values, inputs: Values, scene: Scene, fine: bool) -> dict[str,
 
 
 RIGS: dict[str, Callable[[Values, Values, Scene, bool], dict[str, Any]]] = {
-    each.__name__: each for each in (wheel, grousers, plate, growth, extraction, friction, drag, rod, walker)
+    each.__name__: each for each in (wheel, grousers, plate, growth, friction, drag, rod, walker)
 }
