@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.errors import SettingError, check
+from footopt.errors import check
 from footopt.foot import Foot
 
 Array = NDArray[np.float64]
@@ -53,10 +53,9 @@ def body_outline(foot: Foot, block: Sequence[float] | None = None) -> Array:
         top = max(top, hump + MIN_WALL)
     outline = closed_contour(sole, top)
     body = Polygon(outline)
-    if not body.is_valid:
-        allowed = "such that the sole, two vertical sides and the top do not cross"
-        where = f"The sole overhangs, or crosses itself: {is_valid_reason(body)}, in m."
-        raise SettingError("foot.top", foot.top, allowed, where)
+    allowed = "such that the sole, two vertical sides and the top do not cross"
+    where = f"The sole overhangs, or crosses itself: {is_valid_reason(body)}, in m."
+    check(body.is_valid, "foot.top", foot.top, allowed, where)
     if block is None:
         return outline
     sizes = len(block) == 2 and all(0 < size < np.inf for size in block)

@@ -93,9 +93,8 @@ def _walk_once(plates: Plates, scene: Scene, accuracy: Accuracy, options: Option
     constants = discretize.compiled_once(constants)
     shape = discretize.bristle_rows(rows, soles.plates.shape[2]), 2, 2, soles.plates.shape[2]
     finest, control = len(tables) - 1, math.inf if accuracy.control is None else accuracy.control
-    tables += tables[:1] * (
-        discretize.HALVINGS - finest
-    )  # as many in any case: another number is compiled again
+    # as many in any case: another number is compiled again
+    tables += tables[:1] * (discretize.HALVINGS - finest)
     course = Course(times, pose0, tables, finest, control, scene.gait.heel_strike, options.sink)
     out = Output(
         raw=np.empty((designs, len(RAW))),

@@ -179,24 +179,8 @@ def plate_force(law, acting, part, i, ankle, turning_speed, stage, h0):
 def foot_force(law, acting, part, ankle, turning_speed, stage, h0):
     """F = sum of f over some plates: the paper's eq. 2, with their power and derivatives.
 
-    Parameters
-    ----------
-    law : Law
-        The stress map times zeta, N/m^3.
-    acting : Laws
-        Of the scene's effects.
-    part : Part
-        The plates that are summed.
-    ankle : Ankle
-        In the world.
-    turning_speed, stage
-        As in `contact`.
-    h0 : (h_x, h_z), each (plates,), or None
-        Bristles of these plates.
-
-    Returns
-    -------
-    Force
+    law: the stress map times zeta, N/m^3. acting: `Laws` of the scene's effects. part: the plates. ankle: in
+    the world. turning_speed, stage: see `contact`. h0: bristles of these plates, (h_x, h_z), or None.
     """
     x = z = power = xx = xz = zx = zz = 0.0
     for i in range(len(part.x)):
@@ -246,31 +230,13 @@ def _lowest(sole, block, cos, sin):
 
 @inlined
 def contact(world, sole, poses, hip, turning_speed, stage, h0, counts):
-    """Force of the sand on both feet.
+    """`Contact` of both feet with the sand.
 
-    Parameters
-    ----------
-    world : World
-        Sand, walker and effects.
-    sole : Sole
-        The plates of either foot.
-    poses : (2 feet, 7)
-        Both feet relative to the hip, see `state.ankle_of`.
-    hip : Motion
-        Of the hip.
-    turning_speed : float, m/s
-        Over which a plate's direction turns: the creep speed eps; with bristles, delta over the time for
-        which they have followed the plates.
-    stage : pair of Implicit, or None
-        Of either foot in an implicit stage. None leaves the derivatives out; they are then 0.
-    h0 : (2 feet, 2, plates) or None
-        Bristles at the beginning of that time.
-    counts : record of `COUNTS`
-        Of the walk; added to.
-
-    Returns
-    -------
-    Contact
+    poses: (2 feet, 7), both feet relative to the hip (`state.ankle_of`). turning_speed: over which a plate's
+    direction turns, m/s: the creep speed eps; with bristles, delta over the time for which they have followed
+    the plates. stage: of either foot in an implicit stage, a pair of `Implicit`; None leaves the derivatives
+    out, which are then 0. h0: bristles at the beginning of that time, (2 feet, 2, plates), or None. counts: a
+    record of `COUNTS`, added to.
     """
     counts.evaluations += 1
     left, right = no_force(), no_force()

@@ -56,22 +56,11 @@ def plate_states(
     creep: float,
     bristles: Array | None = None,
 ) -> PlateStates:
-    """The plates of one foot shape under a walker in some states, with the effects of a scene.
+    """The plates of one foot shape under a walker in some states, with a scene's sand and effects.
 
-    Parameters
-    ----------
-    plates : Plates
-        Of one design, directed.
-    pose : Pose
-        Of both feet at M times.
-    com, velocity : (M, 2), m and m/s
-        Of the hip, in x and z.
-    scene : Scene
-        Its sand and effects count.
-    creep : float, m/s
-        Speed over which the law's jump at rest is smoothed.
-    bristles : (M, 2, N, 2), optional
-        Directions h that the sand's bristles hold (`bristles.Bristles`), in place of the smoothed velocity's.
+    The plates are directed, of one design; the pose is that of both feet at M times, and place and velocity
+    of the hip are (M, 2), m and m/s. `creep` is the speed over which the law's jump at rest is smoothed, m/s.
+    `bristles` (M, 2, N, 2) are directions h that the sand holds, in place of the smoothed velocity's.
     """
     constants, sole, count = world(scene, Accuracy(creep=creep)), sole_of(plates), plates.x.shape[1]
     h0, hip, out = None, np.column_stack([com, velocity]), np.zeros((*pose.x.shape, sole.plates.shape[1], 8))

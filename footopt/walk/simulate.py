@@ -73,11 +73,11 @@ def simulate(
         scene=scene,
         accuracy=accuracy,
         t=c.t,
-        com=_pair(c.x, c.z),
-        velocity=_pair(c.vx, c.vz),
-        force=np.stack([_pair(c.fx_left, c.fz_left), _pair(c.fx_right, c.fz_right)], axis=1),
-        power=_pair(c.power_left, c.power_right),
-        work=_pair(c.work_left, c.work_right),
+        com=np.column_stack([c.x, c.z]),
+        velocity=np.column_stack([c.vx, c.vz]),
+        force=np.stack([c.fx_left, c.fz_left, c.fx_right, c.fz_right], axis=1).reshape(-1, 2, 2),
+        power=np.column_stack([c.power_left, c.power_right]),
+        work=np.column_stack([c.work_left, c.work_right]),
         bristles=None if h is None else np.moveaxis(h[kept][..., : plates.x.shape[1]], 2, 3),
         remembered=None if kept is None or len(kept) == len(rows) else which,
         start=np.array(Sample(*walked.trace[0])[1:3]),
@@ -85,10 +85,6 @@ def simulate(
         totals=dict(zip(RAW, map(float, walked.raw[0]), strict=True)),
         **{name: int(walked.counts[name][0]) for name in ("evaluations", "rescues", "shortened", "repeats")},
     )
-
-
-def _pair(a: Array, b: Array) -> Array:
-    return np.stack([a, b], axis=1)
 
 
 def evaluate(

@@ -144,7 +144,7 @@ class FunctionSimulator(Simulator):
     """A function of a foot as a `Simulator` (`Simulator.from_function`)."""
 
     function: Callable[[Foot], Mapping[str, float] | str] = field(compare=False)
-    names: tuple[str, ...]
+    quantities: tuple[str, ...] = ()
     title: str = ""
     traces: ClassVar[bool] = False
 
@@ -166,11 +166,6 @@ class FunctionSimulator(Simulator):
             row[:] = [found[name] for name in self.quantities]
             reasons.append("" if np.isfinite(row).all() else "diverged")
         return Walked(raw, np.array(reasons, np.str_), np.ones(len(feet), np.int64))
-
-    @property
-    def quantities(self) -> tuple[str, ...]:
-        """What the function measures."""
-        return self.names
 
     def own(self) -> tuple[Any, ...]:
         """The function."""
