@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from footopt.errors import needed
 from footopt.foot import Foot, Plates
 from footopt.gait.gait import Pose
+from footopt.mujoco.camera import camera
 from footopt.mujoco.walking import AXES, Found, ankles
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.results import Walk
@@ -30,10 +31,17 @@ class RobotWalk(Walk):
         Of each leg, places of its bodies from the root to the foot, in x and z.
     turned : (T, feet), rad
         Pitch of the feet, positive toe up.
+    states : (T, n)
+        MuJoCo's.
     """
 
     joints: Array = field(default_factory=lambda: np.empty((0, 0, 0, 2)))
     turned: Array = field(default_factory=lambda: np.empty((0, 0)))
+    states: Array = field(default_factory=lambda: np.empty((0, 0)))
+
+    def camera(self) -> Any:
+        """Pictures by MuJoCo's renderer, where there is GL."""
+        return camera(self.scene, self.states)
 
     @property
     def world(self) -> Scene:
@@ -92,6 +100,7 @@ def traced(robot: Any, foot: Foot, accuracy: Accuracy, found: Found) -> RobotWal
         repeats=0,
         joints=joints,
         turned=turned,
+        states=found.states[:end],
     )
 
 

@@ -86,12 +86,14 @@ def animate(walk: Walk, path: str | Path, fps: int = 25, speed: float = 0.5, dpi
     at = times(walk, rate, speed)
     most, hint = f"such that a GIF has at most {FRAMES} frames, not {len(at)}", "Make an .mp4."
     check(len(at) <= FRAMES or kind is not PillowWriter, "speed", speed, most, hint)
-    (figure, show), writer = scene_of(walk, at, speed), kind(rate)
+    writer = kind(rate)
     try:
-        with write_whole(path) as new, writer.saving(figure, str(new), dpi):
-            for i in range(len(at)):
-                show(i)
-                writer.grab_frame()
+        with walk.camera() as picture, write_whole(path) as new:
+            figure, show = scene_of(walk, at, speed, picture)
+            with writer.saving(figure, str(new), dpi):
+                for i in range(len(at)):
+                    show(i)
+                    writer.grab_frame()
     except subprocess.CalledProcessError as error:
         raise FileError(f"{path}: the film cannot be written; ffmpeg ends with {error.returncode}.") from None
     return path
@@ -111,13 +113,17 @@ def times(walk: Walk, fps: float, speed: float) -> Array:
     return t
 
 
-def scene_of(walk: Walk, t: Array, speed: float) -> tuple[Any, Callable[[int], None]]:
+def scene_of(
+    walk: Walk, t: Array, speed: float, picture: Callable[..., Any] | None = None
+) -> tuple[Any, Callable[[int], None]]:
     """A figure, and a function that moves the walker in it to the i-th of some times, s.
 
-    Above is the walker with the whole force on each foot, below its feet, close, with the forces along them.
+    Above is the walker, in a picture of a `Walk.camera` if there is one, with the whole force on each foot,
+    below its feet, close, with the forces along them.
     """
     stage = Stage(walk, t)
     left, right, low, high = stage.limits
+    high = max(high, 1.05 * getattr(picture, "top", 0.0))
     wide = min(right - left, WIDEST * (high - low))
     deep = min(float(stage.body.sole[..., 1].min()), 0.0) - 1.1 * LONGEST
     largest = max(float(np.linalg.norm(stage.forces.force, axis=-1).max()), 1e-9)
@@ -135,7 +141,11 @@ def scene_of(walk: Walk, t: Array, speed: float) -> tuple[Any, Callable[[int], N
             axes.set(xlim=(x - 0.5 * span, x + 0.5 * span), ylim=z, aspect="equal", ylabel="$z$ (m)")
             draw_ground(axes, stage.ground)
         whole.plot(*walk.com.T, color="black", lw=0.6, ls=":")
-        draw_key(whole, stage.draw_feet(whole, i, stage.scale), stage.scale * ARROW * high)
+        if picture is not None:
+            view = *whole.get_xlim(), *whole.get_ylim()
+            whole.imshow(picture(int(stage.index[i]), *view), extent=view, aspect="equal", zorder=1.5)
+        arrows = stage.draw_feet(whole, i, stage.scale, legs=picture is None)
+        draw_key(whole, arrows, stage.scale * ARROW * high)
         draw_key(near, stage.draw_feet(near, i, largest / LONGEST, close=True), 0.8 * largest)
         for foot, (side, _) in enumerate(sides(walk)):
             write(near, side, stage.body.legs[i, foot, -1], (0, 12), ha="center")

@@ -124,8 +124,8 @@ class Stage:
 
     def __init__(self, walk: Walk, t: ArrayLike) -> None:
         self.walk, self.t = walk, np.asarray(t, float)
-        index = np.minimum(np.searchsorted(walk.t, self.t), len(walk.t) - 1)  # forces are known at samples
-        self.body, self.forces = body(walk, self.t), forces_along(walk, index)
+        self.index = np.minimum(np.searchsorted(walk.t, self.t), len(walk.t) - 1)  # of samples with forces
+        self.body, self.forces = body(walk, self.t), forces_along(walk, self.index)
         self.ground = ground(walk.world)
 
     @property
@@ -143,9 +143,15 @@ class Stage:
         return max(0.5 * float(np.abs(self.walk.force).max()), 1e-9) / (ARROW * self.limits[3])
 
     def draw_feet(
-        self, axes: Axes, i: int, scale: float, only: int | None = None, close: bool = False
+        self,
+        axes: Axes,
+        i: int,
+        scale: float,
+        only: int | None = None,
+        close: bool = False,
+        legs: bool = True,
     ) -> Quiver:
-        """Draw all feet or one with their legs, the hip, and the forces at the i-th instant.
+        """Draw all feet or one, with their legs or without, the hip, and the forces at the i-th instant.
 
         Arrows have `scale` newtons per metre; `close` ones are forces on parts of the soles and end there,
         others are whole forces and begin where they act.
@@ -156,8 +162,9 @@ class Stage:
             (side, colour), order = named[foot], 1.7 + 0.4 * foot
             joints, sole = self.body.legs[i, foot].T, self.body.sole[i, foot].T
             axes.fill(*self.body.outline[i, foot].T, fc=colour, lw=0, alpha=0.16, zorder=order)
-            axes.plot(*joints, color=colour, zorder=order + 0.1, label=f"_{side}-leg", **LEG)
-            axes.plot(*joints[:, 1:], "o", color=INK, ms=4.5, mew=0, zorder=order + 0.2, label="_joints")
+            if legs:
+                axes.plot(*joints, color=colour, zorder=order + 0.1, label=f"_{side}-leg", **LEG)
+                axes.plot(*joints[:, 1:], "o", color=INK, ms=4.5, mew=0, zorder=order + 0.2, label="_joints")
             axes.plot(*sole, color=colour, lw=1.9, zorder=order + 0.3, label=f"_{side}-sole")
         axes.plot(*self.body.hip[i], "o", color=INK, ms=9.0, mew=0, zorder=3.0, label="_hip")
         shown = self.forces if close else self.forces.resultant()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -265,6 +266,13 @@ class Walk:
     def pose(self, index: ArrayLike) -> Pose:
         """Both feet from the COM at some samples."""
         return self.world.gait.pose(self.t[np.asarray(index)], self.world.walker.l1, self.world.walker.l2)
+
+    def camera(self) -> AbstractContextManager[Any]:
+        """A context with a function that takes pictures of what walks, None where there is none.
+
+        From a sample, and left, right, low and high of a view, m, to an image with nothing behind.
+        """
+        return nullcontext()
 
     def legs(self, t: ArrayLike) -> Array:
         """Hip, knee and ankle of both legs at times (M,), linear between samples: (M, 2 feet, 3, 2), m."""
