@@ -235,12 +235,11 @@ def _mesh(mujoco: Any, model: Any, body: int, name: str) -> Array:
 
 def _need_no_floor(model: Any, row: int, reach: float) -> None:
     """Raise if a plane or a height field of the world would carry a foot in the sand."""
-    own, types, others = model.geom_bodyid == row, model.geom_contype, model.geom_conaffinity
-    floors = (model.geom_bodyid == 0) & (model.geom_type < 2) & (model.geom_pos[:, 2] > -reach)
+    bodies, types, others = model.geom_bodyid, model.geom_contype, model.geom_conaffinity
+    fixed, own = model.body_weldid[bodies] == 0, bodies == row
+    floors = fixed & (model.geom_type < 2) & (model.geom_pos[:, 2] > -reach)
     meet = types[own, None] & others[floors] | others[own, None] & types[floors]
-    check(
-        not meet.any(), "model", "a floor", "one that the feet do not touch", "Zero its contype, conaffinity."
-    )
+    check(not meet.any(), "model", "a floor", "one that no foot touches", "Zero its contype and conaffinity.")
 
 
 def _of_servos(model: Any, term: int) -> Any:
