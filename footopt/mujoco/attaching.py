@@ -40,8 +40,8 @@ class Contact:
 
     The force is added to ``data.qfrc_passive`` in every step. Attach after the model is compiled and its
     integrator, time step and gravity are chosen; the first step starts with all that is in the sand sunk
-    straight down. What MuJoCo itself knows of the ground is left alone: take its plane away, or the
-    feet's part in collisions.
+    straight down. A plane or a height field that the feet would touch is refused: take it away, or the feet's
+    part in collisions.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ class Contact:
     Raises
     ------
     SettingError
-        A name is not in the model, or an effect is not for MuJoCo.
+        A name is not in the model, data are another's, a floor is in the way, or an effect is not for MuJoCo.
     MissingError
         There is no MuJoCo: ``pip install "footopt[mujoco]"``.
     """
