@@ -1,7 +1,5 @@
 """A solver's pymoo algorithm, asked for designs and told what became of them."""
 
-from __future__ import annotations
-
 import copy
 from dataclasses import dataclass
 from typing import Any

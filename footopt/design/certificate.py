@@ -1,7 +1,5 @@
 """`certified`: the best design of a search, with every sole near it evaluated and none better."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from itertools import combinations

@@ -5,8 +5,6 @@ designs. Results depend neither on the executor nor on the chunks, to the last b
 processor would give other numbers refuses.
 """
 
-from __future__ import annotations
-
 import math
 import os
 import pickle

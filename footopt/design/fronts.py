@@ -1,7 +1,5 @@
 """Fronts: which designs are on them, their hypervolume, what half attain, and which design is the answer."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 

@@ -1,7 +1,5 @@
 """`Known`: which designs there are, and where."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -4,8 +4,6 @@
 plain numbers, arrays and dual numbers; with plain numbers nothing of the derivatives is computed.
 """
 
-from __future__ import annotations
-
 import operator
 from collections.abc import Callable
 from typing import Any, NamedTuple

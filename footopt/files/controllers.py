@@ -1,7 +1,5 @@
 """Controllers of robots in files: a table of commands, or a function of your own."""
 
-from __future__ import annotations
-
 import sys
 from importlib import import_module
 from pathlib import Path

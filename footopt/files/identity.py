@@ -1,7 +1,5 @@
 """A run's folder: its identity, its lock while the run is at work, and the versions that it is made with."""
 
-from __future__ import annotations
-
 import platform
 import subprocess
 from collections.abc import Iterator, Mapping, Sequence

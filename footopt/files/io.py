@@ -1,7 +1,5 @@
 """Reading and writing of files: text, JSON and tables with errors that name the file; each written whole."""
 
-from __future__ import annotations
-
 import csv
 import json
 import math

@@ -1,7 +1,5 @@
 """The closed outline by which a foot is made: its sole, vertical sides, a flat top, a mounting block."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """From a leg's angles over time to its strides: a window that is given, or the period that repeats."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 from typing import NamedTuple
 

@@ -5,8 +5,6 @@ Each function takes the contact length (m) and returns the contact line as a pol
 drawings are not available; a choice that it leaves open is a parameter here.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -11,8 +11,6 @@ The left foot's weight ends sooner because it carries the body; angles and rates
 every T. The paper's walker "first stands with the left leg steadily" and starts at 0.5 s.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,7 +1,5 @@
 """Cards of walks, feet and so on in a notebook, from the first import of footopt there."""
 
-from __future__ import annotations
-
 from typing import Any
 
 KINDS = (

@@ -1,7 +1,5 @@
 """Numbers and names as text: each quantity has one format on the terminal, in figures, cards and pages."""
 
-from __future__ import annotations
-
 import math
 
 from footopt.sand import Sand

@@ -1,7 +1,5 @@
 """The progress of a study with the time left: a bar on a terminal, nothing elsewhere."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager

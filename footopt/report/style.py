@@ -4,8 +4,6 @@ No pyplot and so no global figure state: figures can be drawn from any thread. W
 and page; colours of roles are told apart by the colour-blind, and line styles differ, too.
 """
 
-from __future__ import annotations
-
 import io
 import textwrap
 import threading

@@ -1,7 +1,5 @@
 """Runs side by side: read from their folders into a table, with fronts, seeds summarised, and a page."""
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """The coefficients of a stress map, fitted to measured stresses."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

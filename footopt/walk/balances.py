@@ -1,7 +1,5 @@
 """Balances of a sound walk: its energy adds up, the sand gives none beyond what smoothing allows."""
 
-from __future__ import annotations
-
 import math
 from functools import cache
 

@@ -1,7 +1,5 @@
 """Feet that walk in batches: a bounded number of soles at a time, by the compiled loop, on threads."""
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Iterator

@@ -8,8 +8,6 @@ c, from h_0 at its beginning (a return map, as in plasticity)::
 Sliding turns h into v / |v|, as the plain law has it; at rest h is what balance needs, and nothing moves.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

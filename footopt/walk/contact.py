@@ -11,8 +11,6 @@ An argument that is None is not compiled: stage, bristles, tangents, and effects
 A foot's sum depends on nothing but that foot: results do not change with the batch or the number of threads.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

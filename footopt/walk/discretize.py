@@ -1,7 +1,5 @@
 """From a scene, an accuracy and feet to what the compiled loop takes: world, plates, times and poses."""
 
-from __future__ import annotations
-
 from functools import lru_cache, partial
 from itertools import pairwise
 

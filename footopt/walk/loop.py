@@ -3,8 +3,6 @@
 Both are the same compiled code, which asks once a step whether there is a trace to write.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

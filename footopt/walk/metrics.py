@@ -1,7 +1,5 @@
 """Peaks, falls and sums of a walk, followed while it is made and between steps, too, and its raw result."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

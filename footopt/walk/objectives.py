@@ -5,8 +5,6 @@ signs: a distance is large when it is good, a power small. `FootProblem.minimise
 Other quantities are measured in plain Python, a foot or a whole walk at a time: `measure`.
 """
 
-from __future__ import annotations
-
 import math
 from collections import ChainMap
 from collections.abc import Callable, Mapping, Sequence

@@ -1,7 +1,5 @@
 """The compiled functions of a walk with a user's own effects or stepper, by a digest of their source."""
 
-from __future__ import annotations
-
 import hashlib
 import inspect
 import marshal

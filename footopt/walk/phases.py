@@ -1,7 +1,5 @@
 """Phases of a walk: when a foot stands on the sand."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Every plate's place, motion and force, by the compiled law of the walk: what figures and studies ask."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

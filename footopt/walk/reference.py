@@ -5,8 +5,6 @@ LSODA, 100 chords for plates, a creep speed of 1e-5 m/s, and all else as the def
 study=doctor is held to it.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from footopt.walk.accuracy import TOLERANCES, Accuracy

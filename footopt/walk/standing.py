@@ -1,7 +1,5 @@
 """How deep the walker stands at first: where the sand carries the weight."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from footopt.compiled import inlined

@@ -1,7 +1,5 @@
 """The parts of the compiled walk: plain tuples with names. Columns have numbers here and nowhere else."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

@@ -5,8 +5,6 @@ motion, and, as in the paper, faces that trail (n.v < 0) are counted like those 
 scene names the leading edge.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

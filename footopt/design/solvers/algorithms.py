@@ -1,7 +1,5 @@
 """A builder for each solver; pymoo's modules are imported when one of them is asked for."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import partial
 from importlib import import_module

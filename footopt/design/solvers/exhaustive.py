@@ -1,7 +1,5 @@
 """Every design of a small space: the exact best, or the exact front."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The default solvers: the fewest walks by moves that suit a spline, descents, and restarts."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

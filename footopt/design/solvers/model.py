@@ -1,7 +1,5 @@
 """`RankModel`: ranks of designs as Gaussians of the distance between soles expect them from known ones."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

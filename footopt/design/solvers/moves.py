@@ -6,8 +6,6 @@ soles that are improved by single steps of one waypoint end in as many local opt
 runs, on soft sand, all in the same one.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 from typing import Any
 

@@ -6,8 +6,6 @@ on a range of ten heights makes most mutations round back to the parent, hence e
 are built afresh for every run: pymoo's defaults are shared objects.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The lines of a DXF drawing's model space, those in blocks too."""
 
-from __future__ import annotations
-
 import logging
 from collections.abc import Iterator
 from pathlib import Path

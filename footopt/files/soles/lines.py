@@ -1,7 +1,5 @@
 """Lines of a drawing: their units, how pieces become one, and where a line meets itself."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """The lines of an SVG drawing: every shape and path that is filled or stroked, with its transforms."""
 
-from __future__ import annotations
-
 import io
 import re
 from collections.abc import Iterator

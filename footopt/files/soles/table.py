@@ -1,7 +1,5 @@
 """The line in a CSV table: columns x and z (or y), or two columns without a header."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Figures of soles: in their box with hull and hollow, several in one frame, and bodies to make."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Figures of gaits: joint angles, the ankle's path, and how the strides of a file were fitted."""
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.figure import Figure
 

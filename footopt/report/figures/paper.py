@@ -1,7 +1,5 @@
 """The paper's figures with their captions: gait, shapes, waypoints, and walks by shape and by sand."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from matplotlib.figure import Figure

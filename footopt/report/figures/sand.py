@@ -1,7 +1,5 @@
 """The figure of a sand: its stress on a plate by the plate's angle and its direction of motion."""
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 

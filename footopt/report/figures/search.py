@@ -1,7 +1,5 @@
 """Figures of searches: convergence, and designs by pairs of their objectives."""
 
-from __future__ import annotations
-
 import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any

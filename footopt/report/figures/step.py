@@ -1,7 +1,5 @@
 """The figure of one step: the sole in the sand from touch-down to push-off, with the forces along it."""
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator

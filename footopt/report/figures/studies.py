@@ -1,7 +1,5 @@
 """Figures of the studies accuracy (error against time), calibrate (zeta by depth) and transfer (losses)."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

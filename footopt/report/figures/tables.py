@@ -1,7 +1,5 @@
 """Tables as heat maps, the number in each cell and its colour for the eye: regrets, stability, claims."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Figures of walks against time: centre of mass, forces, power and work."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Figures of study=validate: one for each experiment, and one over all of them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any
 

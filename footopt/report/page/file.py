@@ -4,8 +4,6 @@ Its looks and its motion are plain HTML, CSS and JavaScript in this folder, with
 Arrays travel as base64, so that ten thousand designs stay below 5 MB.
 """
 
-from __future__ import annotations
-
 import base64
 import html
 import json

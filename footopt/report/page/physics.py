@@ -1,7 +1,5 @@
 """The run's constants for the page's own walk; and where it cannot walk, why not."""
 
-from __future__ import annotations
-
 from dataclasses import asdict
 from typing import Any
 

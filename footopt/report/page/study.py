@@ -1,7 +1,5 @@
 """The page of a study of many walks: its figures and tables as they are."""
 
-from __future__ import annotations
-
 import base64
 import re
 from collections.abc import Collection, Mapping, Sequence

@@ -1,7 +1,5 @@
 """Pages of one walk, and of a search with the walks of its best design and of the flat sole."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -12,8 +12,6 @@ The method makes the state at t + h out of that at t, and changes nothing but th
 - ``solved`` of the new state says whether the step could be made.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

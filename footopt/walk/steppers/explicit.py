@@ -11,8 +11,6 @@ Each stage of a tableau begins with the slope of the stage before:
 All are stable against the smoothed law only for dt < 2 eps / g (2.8 eps / g of RK4).
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from footopt.walk.state import moved
