@@ -8,10 +8,14 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from footopt.report import terminal
 from footopt.studies.paper import summary, tables
 
 FOLDER = Path(__file__).parents[1] / "outputs" / "reference" / "paper"
+
+
+def markdown_rows(rows) -> str:
+    """The rows of a Markdown table."""
+    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in rows)
 
 
 def page() -> str:
@@ -24,7 +28,7 @@ def page() -> str:
         "[errata](../../../docs/evidence/errata.md).\n"
     )
     for title, head, rows in tables(found):
-        text += f"\n## {title}\n\n{terminal.markdown_rows([head, ['---'] * len(head), *rows])}\n"
+        text += f"\n## {title}\n\n{markdown_rows([head, ['---'] * len(head), *rows])}\n"
     return text
 
 

@@ -75,11 +75,6 @@ def table(
     return shown
 
 
-def markdown_rows(rows: Iterable[Sequence[str]]) -> str:
-    """The rows of a Markdown table."""
-    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in rows)
-
-
 @contextmanager
 def announce_if_slow(out: Console, message: str, patience: float = 1.5) -> Iterator[None]:
     """Say what is going on if the block takes longer than `patience` seconds."""
