@@ -74,13 +74,11 @@ def _panels(walks: Mapping[str, Walk], names: Sequence[str], sharey: Any = False
 
 def draw_quantity(axes: Axes, walk: Walk, name: str) -> None:
     """All components of one of `QUANTITIES` of a walk against time."""
-    label = QUANTITIES[name][0]
     for symbol, index in components(walk, name).items():
         colour = style.SIDES[index[0]][1] if "foot" in symbol else style.COLOURS[index[0]]
-        looks = {"color": colour, "ls": "--" if index[-1] else "-", "label": symbol}
-        _draw(axes, walk, name, index, looks)
+        _draw(axes, walk, name, index, {"color": colour, "ls": "--" if index[-1] else "-", "label": symbol})
     _finish(axes, [walk])
-    axes.set(xlabel="time $t$ (s)", ylabel=label)
+    axes.set(xlabel="time $t$ (s)", ylabel=QUANTITIES[name][0])
 
 
 def _draw(axes: Axes, walk: Walk, name: str, index: tuple[int, ...], looks: dict[str, Any]) -> None:

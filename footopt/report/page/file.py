@@ -38,9 +38,10 @@ def text(content: dict[str, Any]) -> str:
         return (parts / name).read_text(encoding="utf-8")
 
     data = json.dumps(plain(content), separators=(",", ":"), allow_nan=False)
+    roles = " ".join(f"--{role}: {colour};" for role, colour in PALETTE.items())  # of the figures
     filled = {
         "TITLE": html.escape(content["title"]),
-        "STYLE": "\n".join([_roles(), read("page.css")]),
+        "STYLE": f":root {{ {roles} }}\n{read('page.css')}",
         # "</script>" in a name would end the element
         "DATA": data.replace("<", "\\u003c"),
         "SCRIPT": "\n".join(map(read, SCRIPTS)),
@@ -49,11 +50,6 @@ def text(content: dict[str, Any]) -> str:
     for name, value in filled.items():
         page = page.replace(f"<!--{name}-->", value)
     return page
-
-
-def _roles() -> str:
-    """The figures' colours of roles, which the page's style and scripts use."""
-    return f":root {{ {' '.join(f'--{role}: {colour};' for role, colour in PALETTE.items())} }}"
 
 
 def packed(values: ArrayLike, double: bool = False) -> dict[str, Any]:
