@@ -1,4 +1,4 @@
-"""Attaching sand compiles MuJoCo's callback, 20 s in each process that does: such tests are slow."""
+"""Attaching sand compiles MuJoCo's callback, 8 s in each process that does: such tests are slow."""
 
 import pytest
 
