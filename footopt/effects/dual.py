@@ -88,8 +88,8 @@ def _subtract(a, b):
 
 def _multiply(a, b):
     a, b = lift(a), lift(b)
-    dx, dz = combined(b.value, a.dx, a.value, b.dx), combined(b.value, a.dz, a.value, b.dz)
-    return Dual(a.value * b.value, dx, dz)
+    u, v = a.value, b.value
+    return Dual(u * v, combined(v, a.dx, u, b.dx), combined(v, a.dz, u, b.dz))
 
 
 def _divide(a, b):

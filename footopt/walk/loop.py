@@ -92,7 +92,9 @@ def walk_designs(method, soles, world, course, out, begin, end):
             ax1, az1 = acceleration(world, new.contact)
             error = step_error(state.hip.vx, new.hip.vx, ax0, ax1, h)
             error += step_error(state.hip.vz, new.hip.vz, az0, az1, h)
-            allowed = _allowed(control, extremes, new.contact)
+            power = max(abs(new.contact.left.power), abs(new.contact.right.power))
+            near = extremes.power > 0.0 and power >= NEAR_PEAK * extremes.power
+            allowed = PEAK * control if near else control
             if level < finest and not (new.solved and error <= allowed):
                 level += 1
                 count.shortened += 1
@@ -131,14 +133,6 @@ def _standing(world, sole, poses, count):
     if not np.isfinite(z):
         return State(hip, Contact(no_force(), no_force(), no_turning()), none, bristles, False)
     return State(hip, explicit_contact(world, sole, poses, hip, bristles, 0.0, count), none, bristles, True)
-
-
-@inlined
-def _allowed(control, extremes, at):
-    """The error that a step may have, m/s: less where it may hold the peak of the whole walk."""
-    power = max(abs(at.left.power), abs(at.right.power))
-    near = extremes.power > 0.0 and power >= NEAR_PEAK * extremes.power
-    return PEAK * control if near else control
 
 
 @inlined

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from footopt.effects import base as effects
 from footopt.errors import check_kind
 from footopt.foot import Foot, Waypoints, as_feet
 from footopt.walk import discretize
@@ -25,7 +24,6 @@ from footopt.walk.simulator import Simulator
 from footopt.walk.state import COUNTS
 
 Array = NDArray[np.float64]
-
 
 SAFE = 2.0  # times the differences to two refined walks, see `estimated`
 
@@ -60,8 +58,7 @@ def simulate(
     if isinstance(scene, Simulator):
         walk: Walk = scene.trace(foot, accuracy)
         return walk
-    directed = effects.laws(scene.effects).directed
-    plates = foot.plates(accuracy.plates, accuracy.rule, directed, effects.reshaping(scene.effects))
+    (plates,) = chunks([foot], scene, accuracy, None)
     walked = walk_batch(plates, scene, accuracy, Options(sink=True, threads=1, traced=True))
     rows, h = 1 + np.flatnonzero(np.isfinite(walked.trace[1:]).all(axis=1)), walked.bristles
     kept, which = (
@@ -212,8 +209,6 @@ def _measured(foot: Foot, measures: Sequence[Objective], scene: Any, accuracy: A
 
 def _scene(scene: Scene | Simulator | None) -> Any:
     """The paper's walk on hard sand where there is none."""
-    if isinstance(scene, Simulator):
-        return scene
     found = Scene() if scene is None else scene
-    check_kind(found, Scene, "scene", "Try fo.Scene(sand=...)")
+    check_kind(found, (Scene, Simulator), "scene", "Try fo.Scene(sand=...)")
     return found
