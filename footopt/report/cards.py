@@ -1,5 +1,6 @@
 """Cards of walks, feet and so on in a notebook, from the first import of footopt there."""
 
+from importlib import import_module
 from typing import Any
 
 KINDS = (
@@ -8,15 +9,10 @@ KINDS = (
 )  # fmt: skip
 
 
-def card(thing: object) -> str:
-    """HTML of an object; what draws it is imported when the first one is shown."""
-    from footopt.report.plot import card
-
-    return card(thing)
-
-
 def register(shell: Any) -> None:
     """Have IPython's shell show them, for these classes and for those that inherit from them."""
     html = shell.display_formatter.formatters["text/html"]
-    for kind in KINDS:
-        html.for_type_by_name(*f"footopt.{kind}".rsplit(".", 1), card)
+    for kind in KINDS:  # what draws them is imported when the first one is shown
+        html.for_type_by_name(
+            *f"footopt.{kind}".rsplit(".", 1), lambda thing: import_module("footopt.report.plot").card(thing)
+        )

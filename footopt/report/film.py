@@ -109,8 +109,7 @@ def times(walk: Walk, fps: float, speed: float) -> Array:
     """Times of the frames, s: as many as a film of the walk at a speed has, the last at its end."""
     begin, end = float(walk.t[0]), float(walk.t[-1])
     frames = max(1, math.ceil((end - begin) * fps / speed - 1e-9))
-    t: Array = np.minimum(begin + np.arange(frames + 1) * speed / fps, end)
-    return t
+    return np.asarray(np.minimum(begin + np.arange(frames + 1) * speed / fps, end))
 
 
 def scene_of(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -94,18 +95,16 @@ def ground(scene: Scene) -> dict[str, list[dict[str, Any]]]:
     layers = [(0.0, strata[0][0] if strata else FAR, 1.0), *strata]
     strips, (tilt, g) = [], scene.gravity
 
-    def strip(
-        kind: str, begin: float, end: float, top: float, bottom: float, factor: float, text: str
-    ) -> None:
+    def strip(kind: str, along: Sequence[float], down: Sequence[float], factor: float, text: str) -> None:
+        (begin, end), (top, bottom) = along, down
         place = {"begin": max(begin, -FAR), "end": min(end, FAR), "top": -top, "bottom": -min(bottom, FAR)}
         strips.append({"kind": kind, **place, "colour": _strength(factor), "text": text})
 
-    for top, bottom, factor in strata:
-        strip("layer", -FAR, FAR, top, bottom, factor, f"layer {TIMES} {factor:g}")
-    for begin, end, factor in (zone for effect in scene.effects for zone in effect.zones):
-        for top, bottom, there in layers:
-            text = f"patch {TIMES} {factor:g}" * (top == 0.0)
-            strip("patch", begin, end, top, bottom, factor * there, text)
+    for *down, factor in strata:
+        strip("layer", (-FAR, FAR), down, factor, f"layer {TIMES} {factor:g}")
+    for *along, factor in (zone for effect in scene.effects for zone in effect.zones):
+        for *down, there in layers:
+            strip("patch", along, down, factor * there, f"patch {TIMES} {factor:g}" * (down[0] == 0.0))
     way = f"{abs(math.degrees(math.atan2(tilt, g))):g}° {'uphill' if tilt < 0 else 'downhill'}"
     words = [f"g = {scene.g:g} m/s²", way]
     slope = {"x": tilt / scene.g, "z": -g / scene.g, "words": words}

@@ -233,9 +233,9 @@ def _traces(path: Path) -> dict[str, Any]:
     """Height and speed of the COM, power and work of both feet, against time."""
     with netcdf_file(path, mmap=False) as file:
         v = {name: np.array(variable[:]) for name, variable in file.variables.items()}
-    height, speed = v["com"][:, 1], v["velocity"][:, 0]
-    both = {name: packed(v[name].sum(axis=1)) for name in ("power", "work")}
-    return {"t": packed(v["t"]), "height": packed(height), "speed": packed(speed), **both}
+    both = {name: v[name].sum(axis=1) for name in ("power", "work")}
+    kept = {"t": v["t"], "height": v["com"][:, 1], "speed": v["velocity"][:, 0], **both}
+    return {name: packed(values) for name, values in kept.items()}
 
 
 def _link(path: Path, folder: Path) -> str | None:

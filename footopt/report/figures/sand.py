@@ -19,9 +19,7 @@ def draw_stress(axes: Axes, sand: Sand, component: str = "alpha_z") -> None:
     lines = axes.contour(angle, angle, values, levels=8, colors="black", linewidths=0.5)
     axes.clabel(lines, fontsize="small")
     axes.set(xlabel=r"$\gamma$ (deg): motion, + down", ylabel=r"$\beta$ (deg): plate, + toe up")
-    axes.set_aspect("equal")
-    axes.set_xticks([-90, -45, 0, 45, 90])
-    axes.set_yticks([-90, -45, 0, 45, 90])
+    axes.set(xticks=range(-90, 91, 45), yticks=range(-90, 91, 45), aspect="equal")
     name = rf"\alpha_{component[-1]}"
     axes.set_title(rf"$\zeta{name}$ (N/cm³), {as_text(sand.name)} sand")
     axes.figure.colorbar(shades, ax=axes, shrink=0.9, ticks=MaxNLocator(6))

@@ -44,8 +44,7 @@ def calibration(found: Any) -> Figure:
         own = found.set_up == name
         looks = style.marker(i) | {"ms": 3, "alpha": 0.7, "label": name}
         axes.plot(1e3 * found.depth[own], found.local[own], **looks)
-    axes.set(xlabel="depth (mm)", ylabel=r"local $\zeta$: force over the map's")
-    axes.set_xlim(0.0, None)
+    axes.set(xlabel="depth (mm)", ylabel=r"local $\zeta$: force over the map's", xlim=(0.0, None))
     axes.set_ylim(0.0, min(HIGHEST * found.zeta.value, 1.1 * float(np.max(found.local))))
     axes.grid()
     style.legend_above(figure)

@@ -92,8 +92,7 @@ def _draw(axes: Axes, walk: Walk, name: str, index: tuple[int, ...], looks: dict
 def _finish(axes: Axes, walks: Iterable[Walk]) -> None:
     """Thin lines at the heel strikes, and words where no walk has a sample."""
     shown = list(walks)
-    strikes = sorted({float(h) for w in shown for h in w.scene.strikes})
-    for i, strike in enumerate(strikes):
+    for i, strike in enumerate(sorted({float(h) for w in shown for h in w.scene.strikes})):
         axes.axvline(strike, color=style.GREY, lw=0.5, zorder=0, label="_" if i else "heel strike")
     axes.set_xlim(0.0, max(walk.scene.duration for walk in shown))
     if not any(len(walk.t) for walk in shown):

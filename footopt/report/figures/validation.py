@@ -93,8 +93,7 @@ def _parity(ax: Axes, own: Comparisons, colours: Sequence[str]) -> None:
     ax.set(xlim=limits, ylim=limits, box_aspect=1.0)
     ax.locator_params(nbins=5)
     ax.plot(ends, ends, color="black", lw=0.8, label="equal, with 2 u")
-    ax.set_xlabel(f"measured {axis_name(c)}")
-    ax.set_ylabel(f"predicted {axis_name(c)}")
+    ax.set(xlabel=f"measured {axis_name(c)}", ylabel=f"predicted {axis_name(c)}")
 
 
 @style.styled()

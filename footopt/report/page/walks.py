@@ -100,13 +100,8 @@ def search_content(
         "front": packed(np.searchsorted(rows, result.shown if several else [])),
         "walks": [_traces(best, "best", int(np.searchsorted(rows, chosen))), _traces(flat, "flat")],
         "history": [] if exact else [
-            {
-                "evaluations": g.evaluations,
-                "best": g.hypervolume if several else g.best,
-                "median": g.median,
-                "front": g.front,
-            }
-            for g in result.history
+            {"evaluations": g.evaluations, "best": g.hypervolume if several else g.best,
+             "median": g.median, "front": g.front} for g in result.history
         ],
     }  # fmt: skip
 
