@@ -1,7 +1,5 @@
 """numba's `njit` with footopt's options, and its cache on disk where there is a place for one."""
 
-from __future__ import annotations
-
 import hashlib
 import logging
 import os

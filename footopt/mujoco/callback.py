@@ -1,7 +1,5 @@
 """The C function that MuJoCo calls in every step: it finds what is attached, and steps its sand."""
 
-from __future__ import annotations
-
 import ctypes
 import hashlib
 import pickle

@@ -17,8 +17,6 @@ plate's projection into the plane of motion would have no direction where the mo
 *Meshes* feel 3D-RFT (`footopt.mujoco.intrusion`).
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from footopt.compiled import inlined, inlined_fast

@@ -11,8 +11,6 @@ how they accelerate by all but sand: that of the step before, from how their twi
 and dampers of joints and servos pull back since. MuJoCo is given the mean of F.
 """
 
-from __future__ import annotations
-
 from footopt.compiled import called_fast, inlined_fast
 from footopt.effects import Laws
 from footopt.mujoco.faces import COLUMNS, cross, dot, forces, moved, plus

@@ -39,15 +39,13 @@ def all_figures(walks: Mapping[str, Walk]) -> dict[str, tuple[Figure, str]]:
     shapes = {name: walk.foot for name, walk in by_shape.items()}
     feet = {f"{sand} (hollow {MM * w.foot.hollow:.1f} mm)": w.foot for sand, w in by_sand.items()}
     joints = gait(crossed.scene.gait, crossed.scene.walker)
+    waypoints = contour(hard.foot)
     return {
         "fig2b_gait": (joints, "Joint angles over a stride, and the ankle's path (figure 2b)."),
         "fig3_shapes": (contours(shapes), "The five shapes, all of one length (figure 3)."),
         "fig4a_shapes_states": (com(by_shape), "Position and velocity of the COM by shape (figure 4a)."),
         "fig4b_shapes_power_work": (power_work(by_shape), "Power and work by shape (figure 4b)."),
-        "fig5_waypoints": (
-            contour(hard.foot),
-            "The waypoints of a sole, their box, and its spline (figure 5).",
-        ),
+        "fig5_waypoints": (waypoints, "The waypoints of a sole, their box, and its spline (figure 5)."),
         "fig6_contours": (contours(feet), "The best soles for soft, regular and hard sand (figure 6)."),
         "fig7a_step": (step(hard), "A step on hard sand with its best foot (figure 7)."),
         "fig7b_step": (step(crossed), "The same with the best foot for regular sand (figure 7)."),

@@ -40,10 +40,10 @@ def experiment(found: Comparisons, x: str = "") -> Figure:
     """
     quantities = list(dict.fromkeys(c.quantity for c in found))
     laws = list(dict.fromkeys(c.law for c in found))
-    first = found[0]
-    numbers = all(isinstance(point, (int, float)) for point in first.points)
-    draw = _against_x if numbers else _by_name if len(first.points) < MANY else _parity
-    height = 0.7 + 0.2 * len(first.points) * (1 + len(laws)) if draw is _by_name else 2.5
+    points = found[0].points
+    numbers = all(isinstance(point, (int, float)) for point in points)
+    draw = _against_x if numbers else _by_name if len(points) < MANY else _parity
+    height = 0.7 + 0.2 * len(points) * (1 + len(laws)) if draw is _by_name else 2.5
     figure = style.new_figure(min(style.PAGE, max(4.6, 2.9 * len(quantities))), height)
     axes = figure.subplots(1, len(quantities), squeeze=False)[0]
     for ax, quantity in zip(axes, quantities, strict=True):
@@ -75,8 +75,7 @@ def _by_name(ax: Axes, own: Comparisons, colours: Sequence[str]) -> None:
     ax.errorbar(c.measured, rows, xerr=c.bar, **DATA, label=MEASURED)
     ax.set_yticks(rows + 0.5 * gap * len(own) if any(c.points) else [], c.points if any(c.points) else [])
     ax.tick_params(axis="y", length=0)
-    ax.set_ylim(rows[-1] + 1.0 - gap, -gap)
-    ax.set_xlabel(axis_name(c))
+    ax.set(xlabel=axis_name(c), ylim=(rows[-1] + 1.0 - gap, -gap))
 
 
 def _parity(ax: Axes, own: Comparisons, colours: Sequence[str]) -> None:
