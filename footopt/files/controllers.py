@@ -30,18 +30,12 @@ def read_controller(path: str) -> Commands | FunctionController:
     """
     file, _, function = path.rpartition(":") if ".py:" in path else (path, "", "")
     check(Path(file).is_file(), "robot.controller", path, "FILE.py:FUNCTION, or a CSV file that is there")
-    return _function(Path(file), function) if function else _table(Path(file))
-
-
-def _function(file: Path, name: str) -> FunctionController:
-    if str(file.parent.absolute()) not in sys.path:
-        sys.path.append(str(file.parent.absolute()))  # which worker processes are given, too
-    found: Any = getattr(import_module(file.stem), name, None)
-    check(callable(found), "robot.controller", f"{file}:{name}", f"a function of {file.name}")
-    return FunctionController(found)
-
-
-def _table(file: Path) -> Commands:
+    if function:
+        if (folder := str(Path(file).parent.absolute())) not in sys.path:
+            sys.path.append(folder)  # which worker processes are given, too
+        found: Any = getattr(import_module(Path(file).stem), function, None)
+        check(callable(found), "robot.controller", path, f"a function of {Path(file).name}")
+        return FunctionController(found)
     with naming(file, "robot.controller"):
         table = parse_table(read_text(file, "robot.controller"))
         columns = {name: numbers(table, name) for name in table}

@@ -60,7 +60,13 @@ def cut(
     if not (np.diff(t) > 0).all():
         row = int(np.argmin(np.diff(t) > 0))
         raise Unusable(f"the time must increase, and goes from {t[row]:.6g} to {t[row + 1]:.6g} s.")
-    _check_angles(angles)
+    for joint, values in angles.items():
+        (low, high), least, largest = ANGLE_RANGES[joint], values.min(), values.max()
+        if not low <= least <= largest <= high:
+            raise Unusable(
+                f"the {joint} reaches from {least:.4g} to {largest:.4g} deg, and may from {low:g} to "
+                f"{high:g}. Check the columns, signs and units."
+            )
     if window and not t[0] - 1e-9 <= window[0] < window[1] <= t[-1] + 1e-9:
         raise Unusable(f"gait.window = {list(window)} is not in the file, from {t[0]:g} to {t[-1]:g} s.")
     period = None if window else _period(t, angles)
@@ -78,17 +84,6 @@ def cut(
     strides = Strides(phase, curves, np.diff(bounds), notes)
     _check(strides, bounds)
     return _from_strike(strides, always=period is not None)
-
-
-def _check_angles(angles: dict[str, Array]) -> None:
-    """Raise `Unusable` unless these are the angles of a walk, in deg."""
-    for joint, values in angles.items():
-        (low, high), least, largest = ANGLE_RANGES[joint], values.min(), values.max()
-        if not low <= least <= largest <= high:
-            raise Unusable(
-                f"the {joint} reaches from {least:.4g} to {largest:.4g} deg, and may from {low:g} to "
-                f"{high:g}. Check the columns, signs and units."
-            )
 
 
 def _period(t: Array, angles: dict[str, Array]) -> float | None:
