@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import is_dataclass, replace
 from functools import reduce
 from itertools import groupby
 from typing import Any
@@ -17,18 +17,8 @@ from footopt.design.result import check_finalists
 from footopt.design.scenarios import check_measure
 from footopt.effects import EFFECTS
 from footopt.errors import SettingError
-from footopt.studies import build
-from footopt.studies.meanings import (
-    ALWAYS,
-    Setting,
-    covers,
-    everything,
-    settings,
-    shown,
-    studies_that_read,
-    study_kinds,
-)
-from footopt.studies.settings import AllEffects, leaves
+from footopt.studies import ALWAYS, build, covers, robust, studies_that_read
+from footopt.studies.settings import AllEffects, Setting, everything, known, leaves, shown, study_kinds
 from footopt.walk import MEASURES, Walker
 
 HEAD = """# Reference of settings
@@ -51,7 +41,7 @@ def _study(config: Any) -> None:
     if hasattr(config.study, "finalists"):
         check_finalists(config.study.finalists)
     if hasattr(config.study, "measure"):
-        build.make_spread(config)
+        robust.make_spread(config)
         check_measure(config.study.measure, config.study.tail)
 
 
@@ -97,7 +87,7 @@ def cells(setting: Setting) -> tuple[str, ...]:
     """The row of a setting."""
     readers = "" if covers(setting.name, ALWAYS) else studies_that_read(setting.name)
     shows = f"`{shown(setting.default)}`"
-    return f"`{setting.name}`", shows, setting.kind, setting.meaning, allowed(setting), readers
+    return f"`{setting.name}`", shows, *setting.described, allowed(setting), readers
 
 
 def rows(*table: tuple[str, ...]) -> str:
@@ -109,7 +99,8 @@ def rows(*table: tuple[str, ...]) -> str:
 def page() -> str:
     """The reference as Markdown."""
     found = HEAD
-    for group, members in groupby(settings(), lambda setting: setting.group):
+    told = (setting for setting in known().values() if not is_dataclass(setting.default))
+    for group, members in groupby(told, lambda setting: setting.group):
         found += f"\n## `{group}`\n\n{rows(COLUMNS, ('---',) * len(COLUMNS), *map(cells, members))}"
     return found
 

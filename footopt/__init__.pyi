@@ -27,12 +27,12 @@ from footopt.foot import Waypoints as Waypoints
 from footopt.gait import Gait as Gait
 from footopt.report.film import animate as animate
 from footopt.report.plot import plot as plot
+from footopt.report.summary import load_all as load_all
 from footopt.sand import Sand as Sand
 from footopt.sand import StressMap as StressMap
 from footopt.sand import stress as stress
 from footopt.studies.runs import Run as Run
 from footopt.studies.runs import load as load
-from footopt.studies.runs import load_all as load_all
 from footopt.walk import Accuracy as Accuracy
 from footopt.walk import Scene as Scene
 from footopt.walk import Simulator as Simulator

@@ -11,8 +11,9 @@ from hydra import compose
 from hydra.core.config_store import ConfigStore
 from omegaconf import OmegaConf, open_dict
 
-from footopt.studies.build import in_world_of_run
-from footopt.studies.settings import GLOBAL_OPTIONS, GROUP_OPTIONS, Config
+from footopt.studies import GLOBAL_OPTIONS, GROUP_OPTIONS
+from footopt.studies.runs import in_world_of_run
+from footopt.studies.settings import Config
 
 #: conf/ inside the installed package, or at the top of a checkout.
 CONF = next(path / "conf" for path in Path(__file__).parents[1:3] if (path / "conf").is_dir())

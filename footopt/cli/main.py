@@ -29,8 +29,8 @@ from footopt.errors import ERROR_FILE, FootoptError
 from footopt.files import identity
 from footopt.files.identity import Occupied, result_of
 from footopt.files.io import write_text
-from footopt.studies import meanings
-from footopt.studies.build import absolute
+from footopt.studies import text
+from footopt.studies.build import GROUPS, absolute
 from footopt.walk.objectives import lookup
 
 STOPPED = 130  # exit code after Ctrl-C, as of any program that a shell stops
@@ -46,8 +46,8 @@ def main() -> None:
     try:
         if any(one.startswith("resume=") for one in given):
             Multirun.failed = resume(given)
-        elif topics and len(topics) < len(given) and {*topics} <= {*groups(), *meanings.GROUPS}:
-            print(meanings.text(topics), flush=True)
+        elif topics and len(topics) < len(given) and {*topics} <= {*groups(), *GROUPS}:
+            print(text(topics), flush=True)
         else:
             # flags first: what parses them takes no settings on both sides of one
             sys.argv[1:] = sorted(hydra_overrides(given), key=lambda one: one not in ("-m", "--multirun"))

@@ -11,7 +11,8 @@ from yaml import YAMLError
 
 from footopt.cli.compose import groups
 from footopt.errors import FootoptError, SettingError
-from footopt.studies.meanings import known, not_read, studies_that_read
+from footopt.studies import not_read, studies_that_read
+from footopt.studies.settings import known
 
 MORE = "`footopt --help` lists all settings."
 

@@ -23,15 +23,12 @@ from footopt.errors import ERROR_FILE, EngineError, FootoptError, check
 from footopt.files import identity
 from footopt.files.identity import Occupied, finished, result_of
 from footopt.files.io import write_text
-from footopt.studies import searches
+from footopt.studies import searches, within
 from footopt.studies.build import absolute
-from footopt.studies.meanings import within
 from footopt.studies.runs import BUDGETS, Run, check_may_change, check_resumable, load, run_study
-from footopt.studies.settings import EngineConfig, structured
+from footopt.studies.settings import CODE, WRITTEN, EngineConfig, structured
 
 TRUST, FORCE = "--trust", "--force"
-#: Settings by which a folder could have code run that nobody asked for, and files that a run writes.
-CODE, WRITTEN = ("plugins", "engine.address", "robot.controller"), ("study.store", "study.video")
 
 
 def execute(settings: Mapping[str, Any], folder: Path, given: Sequence[str], resumed: bool = False) -> Any:

@@ -16,6 +16,7 @@ from footopt.errors import ERROR_FILE, FileError
 from footopt.files.io import read_json_file, read_text, write_text
 
 FILE, LOCK = "footopt.yaml", "footopt.lock"
+LOG = "footopt.log"  # Hydra's, of what is logged
 HEAD = """\
 # This run's settings, resolved. `footopt resume=FOLDER` goes on with them.
 # Other settings are a run of their own.
@@ -129,6 +130,23 @@ def changed_settings(one: Any, other: Any, name: str = "") -> list[str]:
         each = ((f"{name}.{key}".lstrip("."), one.get(key), other.get(key)) for key in {**one, **other})
         return [found for full, a, b in each for found in changed_settings(a, b, full)]
     return [] if one == other else [name]
+
+
+def claim_folder(folder: Path, settings: Mapping[str, Any], overrides: Sequence[str]) -> None:
+    """Leave what a run is in its folder; `Occupied` by a finished run, or by what another one has left."""
+    other = "Choose another hydra.run.dir."
+    if finished(result_of(folder)):
+        raise Occupied(f"{folder}: holds a run that is finished; footopt resume=... extends it. {other}")
+    begun = (folder / FILE).exists()
+    left = {path.name for path in folder.iterdir()} - {FILE, LOCK, LOG, ERROR_FILE}
+    if left & {"result.json", "designs.sqlite"} or (begun and left):
+        there = read(folder, "hydra.run.dir").settings if begun else {}
+        if names := changed_settings(settings, there):
+            raise Occupied(
+                f"{folder}: holds another run, which differs in {', '.join(names[:4])}. "
+                f"footopt resume=... goes on with it. {other}"
+            )
+    write(folder, settings, overrides)
 
 
 @cache

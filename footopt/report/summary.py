@@ -84,6 +84,27 @@ def as_frame(runs: Sequence[Run]) -> pandas.DataFrame:
     return pandas.DataFrame(rows)
 
 
+def load_all(pattern: str | Path) -> pandas.DataFrame:
+    """All runs below folders, a row for each.
+
+    Columns are `folder`, `overrides`, each setting by its full name, each objective, `hollow_mm`, `k`, the
+    other numbers of result.json, `warnings` (how many), and `note`: why there is no better result.
+
+    Parameters
+    ----------
+    pattern : str or Path
+        Of folders, as in a shell, such as ``"outputs/**"``; a folder stands for all runs below it.
+
+    Raises
+    ------
+    FileError
+        There are no runs.
+    """
+    if not (found := [read(folder) for folder in identity.runs(pattern)]):
+        raise FileError(f"pattern = {str(pattern)!r}: no run is there. Try 'outputs/**'.")
+    return as_frame(found)
+
+
 def varied(runs: Sequence[Run]) -> pandas.DataFrame:
     """A row for each run, and a column of text for each setting that differs; "" where it is not known."""
     text = [{name: "" if v is None else str(v) for name, v in run.settings.items()} for run in runs]

@@ -1,22 +1,33 @@
-"""The studies, a question each: their own settings, and which others each reads."""
+"""The studies, a question each: their own settings, which others each reads, and all groups' choices."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
+import textwrap
+from collections.abc import Callable, Collection
+from dataclasses import dataclass, field, fields, is_dataclass
 from importlib import import_module
 from typing import Any, get_type_hints
 
-from footopt.design import RobustProblem
-from footopt.foot import Foot, Waypoints
+from footopt.design import EXHAUSTIVE, FRONT_RULES, SINGLE, SOLVERS, RobustProblem, Spread
+from footopt.design.problem import SETS
+from footopt.design.solvers.registry import AUTO
+from footopt.effects import EFFECTS
+from footopt.errors import SettingError
+from footopt.foot import SHAPES, Foot, Waypoints
+from footopt.sand import MEDIA
 from footopt.studies.settings import (
-    GLOBAL_OPTIONS,
-    GROUP_OPTIONS,
     STUDIES,
+    Config,
+    OwnSettings,
     SpreadConfig,
     StudySettings,
     default,
+    known,
+    leaves,
     setting,
+    shown,
 )
+from footopt.walk import PRESETS
 from footopt.walk.accuracy import FINER
 
 __all__ = ["STUDIES", "StudySettings"]
@@ -133,7 +144,7 @@ class Robust(SearchSettings):
         "What counts of the loss over the scenarios: worst, mean, or tail (of the worst share).",
     )
     tail: float = setting(default(RobustProblem, "tail"), "The share of study.measure=tail.")
-    spread: Any = field(default_factory=lambda: SpreadConfig(zeta=None))
+    spread: Any = field(default_factory=SpreadConfig)
 
 
 @dataclass
@@ -196,6 +207,43 @@ def searches(study: str) -> bool:
     return study in STUDIES and issubclass(STUDIES[study][0], SearchSettings)
 
 
+#: Solvers of several objectives.
+SEVERAL = [name for name in SOLVERS if name not in (*SINGLE, EXHAUSTIVE)]
+
+#: The setting that the choice of a group sets, where it is not its name.
+SETTING_OF_GROUP = {
+    "foot": "foot.shape",
+    "objective": "objective.names",
+    "planet": "walker.g",
+    "effects": "effects",
+}
+
+#: Choices of groups that the library knows by name: what each sets. Those in conf/ join them.
+GROUP_OPTIONS: dict[str, dict[str, Any]] = {
+    "sand": {name: {"name": name, "zeta": zeta} for name, zeta in MEDIA.items()},
+    "foot": {name: {"shape": name} for name in SHAPES},
+    "effects": {name: {name: {}} for name in EFFECTS},
+    "accuracy": {name: {"name": name} for name in (*PRESETS, "custom")} | {"coarse": {"tolerance": 0.05}},
+    "objective": {name: {"names": list(names)} for name, names in SETS.items()},
+    "choose": {name: {"name": name} for name in FRONT_RULES},
+    "solver": {name: {"name": name} for name in (AUTO, *SOLVERS) if name not in SEVERAL},
+    "simulator": {"walker": {"name": "walker"}},
+    "study": {"own": OwnSettings},
+}
+
+#: Of robots, whose walks cost hundreds of times those of the walker.
+OF_ROBOTS = {"defaults": [{"override /accuracy": "coarse"}], "solver": {"walks": 1000}}
+
+#: Choices that change another group, too: a solver for several objectives searches the paper's five.
+GLOBAL_OPTIONS: dict[str, dict[str, dict[str, Any]]] = {
+    "study": {},
+    "simulator": {name: {"simulator": {"name": name}, **OF_ROBOTS} for name in ("biped", "robot")},
+    "solver": {
+        name: {"defaults": [{"override /objective": "pareto"}], "solver": {"name": name}} for name in SEVERAL
+    },
+}
+
+
 def _add(kind: type[StudySettings]) -> str:
     """Add one of footopt's own studies: the module of its name is imported when it is run."""
     name = kind.name
@@ -211,3 +259,89 @@ def _add(kind: type[StudySettings]) -> str:
 #: Names of footopt's own studies; a plugin adds its own to `STUDIES`.
 BUILT_IN = tuple(map(_add, (Optimize, Simulate, Ladder, Stability, Audit, Paper, Robust, Transfer, Export,
                             Compare, Doctor, Validate, Calibrate)))  # fmt: skip
+
+#: Read for every study: how it is run, not what is asked. A constraint is refused elsewhere.
+ALWAYS = ("study.name", "study.own", "plugins", "report", "engine.name", "engine.threads", "constraint")
+
+
+def _of_run(config: Config) -> bool:
+    """Whether the foot is that of a run."""
+    return config.study.name == "simulate" and config.study.run is not None
+
+
+def _of(*shapes: str) -> tuple[str, Callable[[Config], bool]]:
+    """Where a setting of some shapes counts; a study that reads no shape has soles of a space."""
+    return (
+        f"foot={', '.join(shapes)}",
+        lambda c: not covers("foot.shape", c.study.reads) or (c.foot.shape in shapes and not _of_run(c)),
+    )
+
+
+#: Settings that count only where others have certain values: which, where that is, and whether it is so.
+ONLY: tuple[tuple[tuple[str, ...], str, Callable[[Config], bool]], ...] = (
+    (tuple({*SPACE} - {*WORN}), *_of("waypoints")),
+    (("foot.k",), "foot=waypoints", lambda c: c.foot.shape == "waypoints" or _of_run(c)),
+    (("foot.length",), *_of(*SHAPES)),
+    (("foot.apex",), *_of("reversed_triangle")),
+    (("foot.upright",), *_of("reversed_l")),
+    (OUTLINE, *_of("outline")),
+    (("foot.shape", *WORN), "study=simulate without run", lambda c: not _of_run(c)),
+    (("gait.names", "gait.side", "gait.window"), "gait=file gait.path=walk.mot", lambda c: bool(c.gait.path)),
+    (("robot",), "simulator=robot, biped", lambda c: c.simulator.name != "walker"),
+    (("walker", "scene", "effects.auto", "study.spread.mass"), "simulator=walker",
+     lambda c: c.simulator.name == "walker"),
+    (("gait",), "a robot without robot.controller",
+     lambda c: c.simulator.name == "walker" or not c.robot.controller),
+    (("robot.joints",), "a robot without robot.controller", lambda c: not c.robot.controller),
+    (("effects.tolerance",), "effects=auto", lambda c: c.effects.auto or c.study.name == "effects"),
+    (("engine.timeout",), "engine=dask", lambda c: c.engine.name == "dask"),
+    (("choose",), "objective=pareto, or a list of several", lambda c: len(c.objective.names) > 1),
+    (("study.certify",), "a search for one objective", lambda c: len(c.objective.names) == 1),
+    (("study.finalists",), "a search for one objective",
+     lambda c: c.study.name != "robust" or len(c.objective.names) == 1),
+    (("solver.n_gen", "solver.walks", "study.certify"), "solvers other than exhaustive",
+     lambda c: c.solver.name != EXHAUSTIVE),
+    (("study.tail",), "study.measure=tail", lambda c: c.study.measure == "tail"),
+    (("study.draws", *(f"study.spread.{f.name}" for f in fields(Spread) if f.name != "zeta")),
+     "study.scenarios=drawn", lambda c: c.study.scenarios == "drawn"),
+    (("sand",), "study.scenarios=drawn, laws",
+     lambda c: c.study.name != "robust" or c.study.scenarios != "sands"),
+)  # fmt: skip
+
+
+def within(name: str, names: Collection[str]) -> bool:
+    """Whether a setting is one of the names, or in a group of them."""
+    return any(f"{name}.".startswith(f"{n}.") for n in names)
+
+
+def covers(name: str, names: Collection[str]) -> bool:
+    """Whether a setting is one of the names, in a group of them, or a group with some of them."""
+    return within(name, names) or any(within(n, [name]) for n in names)
+
+
+def read_by(study: str) -> tuple[str, ...]:
+    """The settings, and groups of them, that a study reads."""
+    kind, _ = STUDIES[study]
+    return (*kind.reads, *(each.name for each in leaves(kind(), "study.")))
+
+
+def studies_that_read(name: str) -> str:
+    """The studies that read a setting, as they are chosen; "" if there is none."""
+    return ", ".join(study for study in BUILT_IN if covers(name, read_by(study)))
+
+
+def not_read(name: str, value: object, study: str) -> SettingError:
+    """The refusal of a setting that a study does not read, with the studies that do."""
+    readers = studies_that_read(name)
+    hint = f"It is read by study={readers}." if readers else ""
+    return SettingError(name, value, f"left out: study={study} does not read it", hint)
+
+
+def text(groups: Collection[str]) -> str:
+    """The settings of some groups for a terminal."""
+    names, lines = {SETTING_OF_GROUP.get(group) for group in groups}, []
+    for each in known().values():
+        if (each.group in groups or each.name in names) and not is_dataclass(each.default):
+            kind, meaning = each.described
+            lines += [f"{each.name} = {shown(each.default)}{kind and f'  ({kind})'}", f"    {meaning}"]
+    return "\n".join(textwrap.fill(line, 80, subsequent_indent="    ") for line in lines)

@@ -17,8 +17,9 @@ from footopt.errors import check
 from footopt.foot import Waypoints
 from footopt.report.figures.studies import work_precision
 from footopt.report.numbers import percent
-from footopt.studies.base import Study, scene_entry
+from footopt.report.output import scene_entry
 from footopt.studies.effects import own_time
+from footopt.studies.runs import Study
 from footopt.walk import FIVE, Accuracy, Scene, evaluate
 from footopt.walk.accuracy import PRESETS, TOLERANCES, work
 from footopt.walk.ladder import ladder, numbers_at, numerics

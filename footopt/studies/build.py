@@ -1,21 +1,19 @@
-"""From settings to the library's own objects: sand, gait, foot, scene, accuracy."""
+"""The library's objects from the settings, which are checked before: what has no effect is refused."""
 
 from __future__ import annotations
 
+import math
 import os
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, fields, replace
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from omegaconf import OmegaConf
-
-from footopt.design import Choice, FootProblem, Spread
+from footopt.design import Choice, FootProblem
 from footopt.effects import EFFECTS, Effect
 from footopt.errors import SettingError, check
-from footopt.files import identity
 from footopt.files.controllers import read_controller
 from footopt.files.gaits import read_gait, read_strides
 from footopt.files.sands import read_sand
@@ -26,22 +24,33 @@ from footopt.gait import Gait
 from footopt.mujoco.controllers import Tracker
 from footopt.mujoco.robot import Robot
 from footopt.sand import GENERIC, MEDIA, Sand, StressMap
-from footopt.studies import ROBOT, SCENE
-from footopt.studies.settings import (
+from footopt.studies import (
+    ALWAYS,
+    BUILT_IN,
+    ONLY,
     SETTING_OF_GROUP,
-    AccuracyConfig,
+    SearchSettings,
+    covers,
+    not_read,
+    read_by,
+    within,
+)
+from footopt.studies.settings import (
+    BY_NAME,
+    PATHS,
+    STUDIES,
     Config,
     EffectsConfig,
     FootConfig,
     GaitConfig,
+    OwnSettings,
     SandConfig,
+    leaves,
 )
 from footopt.walk import Accuracy, Scene, Simulator, Walker
-from footopt.walk.accuracy import PRESETS, AnyAccuracy, Tolerance, confirming
+from footopt.walk.accuracy import PRESETS, AnyAccuracy, Tolerance
 
-#: Settings that name files or folders to read.
-PATHS = ("foot.path", "gait.path", "robot.controller", "robot.model", "sand.table", "study.store",
-         "study.run", "study.runs", "study.tests", "plugins")  # fmt: skip
+GROUPS = tuple(field.name for field in fields(Config))
 
 
 def absolute(settings: Mapping[str, Any]) -> dict[str, Any]:
@@ -57,31 +66,6 @@ def absolute(settings: Mapping[str, Any]) -> dict[str, Any]:
         return os.path.abspath(os.path.expanduser(value)) if is_file else value
 
     return dict(locate("", settings))
-
-
-def in_world_of_run(
-    settings: Mapping[str, Any], default: Mapping[str, Any], given: Sequence[str]
-) -> dict[str, Any]:
-    """Settings with the foot and the world of the run that study.run names, but for those that are given.
-
-    The accuracy is that of the run's own numbers. `given` are the names of settings and groups on the command
-    line; what differs from `default` has been given, too.
-    """
-    run = identity.read(Path(settings["study"]["run"]).expanduser(), "run").settings
-    world = {name: run[name] for name in (*SCENE, *ROBOT, "accuracy")}
-    if confirm := run["study"].get("confirm"):
-        finer = confirming(confirm, make_accuracy(AccuracyConfig(**run["accuracy"])))
-        world["accuracy"] = dict.fromkeys(run["accuracy"]) | {"name": finer.name}
-    own = {name: settings["foot"][name] for name in ("k", "block")}
-    found = OmegaConf.create({**settings, **world, "foot": run["foot"] | own})
-    named = (SETTING_OF_GROUP.get(name, name) for name in given)
-    changed = {*identity.changed_settings(settings, default), *named}
-    for name in sorted(changed):  # a group before what is in it
-        if name.partition(".")[0] in world:
-            value = OmegaConf.select(OmegaConf.create(dict(settings)), name)
-            OmegaConf.update(found, name, value, merge=False)
-    plain: Any = OmegaConf.to_container(found)
-    return dict(plain)
 
 
 def load_plugins(plugins: Sequence[str]) -> None:
@@ -146,26 +130,6 @@ def _reading(config: GaitConfig) -> tuple[dict[str, str], str | None, Any]:
     return names, config.side, None if config.window is None else tuple(config.window)
 
 
-def make_spread(config: Config) -> Spread:
-    """How far the scenarios of the settings lie apart.
-
-    zeta is null for that of the sand; a period or angles that are null are measured: how the strides of the
-    gait's file differ.
-    """
-    values = dict(vars(config.study.spread))
-    if values["zeta"] is None:
-        values["zeta"] = config.sand.spread
-    unknown = [name for name, value in values.items() if value is None]
-    if not unknown:
-        return Spread(**values)
-    strides = make_strides(config.gait)
-    if strides is None or len(strides.periods) < 3:
-        allowed = "a number, unless gait.path records three strides or more"
-        raise SettingError(f"study.spread.{unknown[0]}", None, allowed)
-    measured = dict(zip(("period", "angles"), strides.variation(), strict=True))
-    return Spread(**values | {name: measured[name] for name in unknown})
-
-
 def make_space(config: FootConfig) -> Waypoints:
     """The design space of the settings."""
     values = {field.name: getattr(config, field.name) for field in fields(Waypoints)}
@@ -210,8 +174,7 @@ def _ankle(config: FootConfig) -> tuple[float, float]:
 def make_effects(config: EffectsConfig) -> tuple[Effect, ...]:
     """The effects that the settings name; what `auto` adds is up to the effect audit."""
     chosen = {name: vars(made) for name in EFFECTS if (made := getattr(config, name, None)) is not None}
-    own: dict[str, Any] = config.own or {}
-    check(isinstance(own, dict), "effects.own", own, "effects by name: {my_effect: {size: 1.0}}")
+    own = config.own or {}
     plugged = [name for name in EFFECTS if not hasattr(config, name)]
     allowed = f"an effect of a plugin ({', '.join(plugged) or 'none is loaded'})"
     hint = "Give its file: plugins=[my_effect.py]; it has to add its class to effects.EFFECTS."
@@ -248,8 +211,7 @@ def make_simulator(config: Config) -> Scene | Simulator:
     check(own == ("model" in given), "robot.model", config.robot.model, "a file, with simulator=robot")
     hint = "From Python it may have any number."
     check(len(config.robot.feet) in (1, 2), "robot.feet", config.robot.feet, "one body or two", hint)
-    check(joints is None or isinstance(joints, dict), "robot.joints", joints, "{hip_l: left_hip}")
-    tracked = () if joints is None else (joints,)
+    tracked = (joints,) if joints else ()
     controller = read_controller(table) if table else Tracker(make_gait(config.gait), *tracked)
     sand, effects = make_sand(config.sand), make_effects(config.effects)
     robot = Robot(controller=controller, sand=sand, effects=effects, **given)
@@ -259,18 +221,14 @@ def make_simulator(config: Config) -> Scene | Simulator:
 
 def make_limits(config: Config) -> dict[str, float]:
     """The limits of the settings, by the measures' names."""
-    given = {name: limit for name, limit in vars(config.constraint).items() if name != "own"}
     own = config.constraint.own or {}
-    check(isinstance(own, dict), "constraint.own", own, "limits by name: {my_measure: 1.0}")
-    return {name: limit for name, limit in (given | own).items() if limit is not None}
+    given = {name: limit for name, limit in vars(config.constraint).items() if name != "own"} | own
+    return {name: limit for name, limit in given.items() if limit is not None}
 
 
 def make_choice(config: Config) -> Choice:
     """Which design of a front the settings choose."""
     choose = config.choose
-    for name in ("weights", "limits"):
-        given = getattr(choose, name)
-        check(given is None or isinstance(given, dict), f"choose.{name}", given, "numbers by name: {work: 2}")
     choice = Choice(choose.name, choose.weights or {}, choose.limits or {})
     if len(config.objective.names) == 1 and choice != Choice():  # a file may have chosen it
         hint = "Search several, such as objective=pareto, or limit one: constraint.work=200."
@@ -291,7 +249,7 @@ def make_problem(config: Config, scene: Scene | Simulator) -> FootProblem:
     )
 
 
-def make_accuracy(config: AccuracyConfig) -> AnyAccuracy:
+def make_accuracy(config: Any) -> AnyAccuracy:
     """The accuracy of the settings: a preset or a tolerance, and the numbers that are held by hand."""
     names = (*PRESETS, "custom")
     check(config.name in names, "accuracy.name", config.name, f"one of {', '.join(names)}")
@@ -302,3 +260,88 @@ def make_accuracy(config: AccuracyConfig) -> AnyAccuracy:
     preset = PRESETS.get(config.name, Tolerance())
     changed = by_hand if config.tolerance is None else {"error": config.tolerance, "refinements": 0} | by_hand
     return replace(preset, **changed, name="custom") if changed else preset
+
+
+def check_read(config: Config, overrides: Iterable[str]) -> None:
+    """Refuse settings that are given and have no effect.
+
+    Parameters
+    ----------
+    config : Config
+        All settings.
+    overrides : iterable of str
+        From the command line: settings, and choices of groups.
+
+    Raises
+    ------
+    SettingError
+        The study or its foot does not read one; the message says what does.
+    """
+    study, shape = config.study.name, config.foot.shape
+    for override in overrides if study in BUILT_IN else ():
+        given = override.lstrip("+~/").partition("=")[0].partition("@")[0]
+        group, dot, _ = given.partition(".")
+        if group not in (*GROUPS, *SETTING_OF_GROUP):
+            continue  # of the user's own
+        if group == "foot" and shape != "waypoints" and isinstance(config.study, SearchSettings):
+            continue  # the study refuses that foot
+        name = given if dot else SETTING_OF_GROUP.get(given, f"{given}.name")
+        if given == "foot" and shape == "waypoints":
+            name = "foot.n"  # a space, which its choice describes
+        value: Any = config
+        for key in name.split("."):
+            value = getattr(value, key, None)
+        if not covers(name, (*ALWAYS, *read_by(study))):
+            raise not_read(name, value, study)
+        for names, where, holds in ONLY:
+            if within(name, names) and not holds(config):
+                raise SettingError(name, value, "left out: it has no effect here", f"It is read by {where}.")
+
+
+def check_values(config: Config) -> None:
+    """Raise unless lists hold plain values, and no number is a NaN, be it read or not.
+
+    OmegaConf lets lists in lists, interpolations and NaNs through.
+    """
+    for name, value, *_ in leaves(config):
+        if isinstance(value, float):
+            check(not math.isnan(value), name, value, "a number")
+        elif isinstance(value, list):
+            plain = all(isinstance(v, (int, float, str)) and v == v for v in value)
+            check(plain, name, value, "a list of plain values")
+        elif name in BY_NAME:
+            check(value is None or isinstance(value, dict), name, value, "values by name: {work: 2}")
+
+
+def checked(config: Config, overrides: Iterable[str]) -> Config:
+    """The settings, a plugin's study as the plugin has it; `SettingError` if they do not go together."""
+    check_values(config)
+    load_plugins(config.plugins)
+    config = _chosen(config)
+    check_read(config, overrides)
+    name = config.study.name
+    if config.engine.name != "local" and not isinstance(config.study, SearchSettings):
+        raise SettingError("engine", config.engine.name, f"local for study={name}")
+    reads, simulator = read_by(name), config.simulator.name
+    if simulator != "walker" and covers("walker", reads) and not covers("simulator", reads):
+        raise SettingError("simulator", simulator, f"walker for study={name}")
+    if name != "optimize" and (limits := make_limits(config)):
+        raise SettingError("constraint", limits, f"left out for study={name}", "study=optimize keeps limits.")
+    return config
+
+
+def _chosen(config: Config) -> Config:
+    """The settings with a plugin's study as the plugin has it."""
+    name = config.study.name
+    if name not in STUDIES:
+        hint = "A study of your own: plugins=[mine.py] study=own study.name=mine"
+        raise SettingError("study.name", name, f"one of {', '.join(STUDIES)}", hint)
+    kind, _ = STUDIES[name]
+    if isinstance(config.study, OwnSettings):
+        try:
+            return replace(config, study=kind(name, **(config.study.own or {})))
+        except TypeError as error:
+            raise SettingError("study.own", config.study.own, f"settings that it has ({error})") from None
+    if not isinstance(config.study, kind):
+        raise SettingError("study.name", name, f"chosen as a group: study={name}")
+    return config

@@ -26,8 +26,8 @@ from footopt.report import terminal
 from footopt.report.figures.studies import calibration as draw
 from footopt.report.numbers import number
 from footopt.sand import GENERIC, MEDIA, Sand, StressMap, alpha
-from footopt.studies.base import Study
 from footopt.studies.build import make_sand
+from footopt.studies.runs import Study
 
 Array = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from footopt.errors import FileError, SettingError, named
 from footopt.files import identity
 from footopt.report import summary
-from footopt.studies.base import Study
+from footopt.studies.runs import Study
 
 SETTING = "study.runs"
 TRY = "Try footopt study=compare 'study.runs=[outputs/optimize/*]'"

@@ -9,7 +9,7 @@ from footopt.errors import FootoptError
 from footopt.files import identity
 from footopt.report import terminal
 from footopt.sand import Sand
-from footopt.studies.base import Study
+from footopt.studies.runs import Study
 from footopt.walk import FIVE, Scene, evaluate
 from footopt.walk.batch import available_threads
 from footopt.walk.reference import LIMITS, PUBLISHED, RAMP

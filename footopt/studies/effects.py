@@ -6,7 +6,7 @@ import os
 import statistics
 import time
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,8 +19,9 @@ from footopt.errors import check
 from footopt.foot import Foot, Waypoints
 from footopt.report import terminal
 from footopt.report.numbers import percent
-from footopt.studies.base import Study, accuracy_entry, scene_entry
+from footopt.report.output import scene_entry
 from footopt.studies.build import make_scene
+from footopt.studies.runs import Study
 from footopt.studies.settings import Config
 from footopt.walk import FIVE, Scene, Simulator, evaluate
 from footopt.walk.accuracy import TOLERANCES, AnyAccuracy
@@ -100,7 +101,7 @@ def run(study: Study) -> None:
         for effect in effects:
             found.append(audit(effect, scene, feet, accuracy, limit, space))
             step(news=found[-1].name)
-    walked = [accuracy_entry(accuracy, switched(effect, scene)[1], space) for effect in effects]
+    walked = [asdict(numerics(accuracy, switched(effect, scene)[1], space)) for effect in effects]
     study.conclude(
         "The changes by each effect",
         [table(found)],

@@ -13,8 +13,8 @@ from footopt.errors import SettingError
 from footopt.files.feet import write_all
 from footopt.files.outline import MM, body_outline
 from footopt.report import figures, terminal
-from footopt.studies.base import Study, foot_entry
-from footopt.studies.runs import foot_of
+from footopt.report.output import foot_entry
+from footopt.studies.runs import Study, foot_of
 
 #: Contents of each file.
 HOLDS = {

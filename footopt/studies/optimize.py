@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
@@ -27,14 +27,16 @@ from footopt.errors import SettingError
 from footopt.files import io as files
 from footopt.foot import Foot, Waypoints
 from footopt.report import terminal
-from footopt.report.numbers import number, quantity, title
+from footopt.report.numbers import number, percent, quantity, title
+from footopt.report.output import foot_entry
 from footopt.report.progress import report_generations
 from footopt.studies import ranks
-from footopt.studies.base import Study, accuracy_entry, describe_ladder, foot_entry
 from footopt.studies.build import check_searchable, make_problem
 from footopt.studies.effects import choose_effects
+from footopt.studies.runs import Study
 from footopt.studies.simulate import check_film, judged, write_film, write_walk
-from footopt.walk import MEASURES, gain_shares, simulate
+from footopt.walk import MEASURES, Accuracy, gain_shares, simulate
+from footopt.walk.ladder import SHARE, ladder, numerics
 
 LEADERS = 4  # best soles of an enumerated space that are drawn in one frame
 
@@ -57,7 +59,7 @@ def run(study: Study) -> Any:
         flat = simulate(Foot.flat(problem.space), scene, finer)
     result, confirmed, certificate = _search(study, problem, solver, flat.objectives["efficiency"])
     k = result.k[confirmed.designs[0]]
-    best = dataclasses.replace(Foot.from_waypoints(k, problem.space), name=f"best of {solver.name}")
+    best = replace(Foot.from_waypoints(k, problem.space), name=f"best of {solver.name}")
     walk = simulate(best, scene, finer)
     entry, diagnostics = judged(study, walk, flat, problem.record, chosen)
     values, base, errors = (entry[name] for name in ("objectives", "flat", "error_estimate"))
@@ -79,7 +81,7 @@ def run(study: Study) -> Any:
             "ranks": ranks.entry(changes),
             "gain_shares": gain_shares(values, base),
             **_search_entry(result, confirmed, options.finalists),
-            "certificate": certificate and {"says": str(certificate), **dataclasses.asdict(certificate)},
+            "certificate": certificate and {"says": str(certificate), **asdict(certificate)},
             "notes": notes,
         }
     )
@@ -175,7 +177,7 @@ def _search(
             f"Searching {space.K}^{space.n} soles for {', '.join(problem.names)} on "
             f"{terminal.describe_scene(problem.scene)} with {solver.name}"
         )
-        study.say(*describe_ladder(problem.accuracy, problem.scene, problem.space))
+        study.say(*_describe_ladder(problem))
         if known := store.describe():
             study.say(known)
         with study.progress(solver.generations(space), _unit(solver)) as step:
@@ -191,6 +193,25 @@ def _search(
             return result, confirm(result, finer, finalists), None
         most = math.inf if asked else result.designs
         return certified(result, finer, finalists, Evaluator(problem, store, executor), most)
+
+
+def _describe_ladder(problem: FootProblem) -> list[str]:
+    """A tolerance in words: its numbers, and what finding them cost; nothing of numbers by hand."""
+    if isinstance(accuracy := problem.accuracy, Accuracy):
+        return []
+    numbers, found = ladder(accuracy, problem.scene, problem.space)
+    walks = found.price / found.work
+    if not math.isfinite(walks):
+        return []
+    with_them = (
+        f"{numbers.plates} plates and steps of {1e3 * numbers.dt:.3g} ms at most, found in the time of "
+        f"{walks:.0f} walks"
+    )
+    if found.error <= SHARE * accuracy.error:
+        return [f"Errors within {percent(accuracy.error)} take {with_them}"]
+    reached = f"are {percent(found.error)}" if math.isfinite(found.error) else "of some are falls"
+    wanted = f"for {percent(accuracy.error)} they should be {percent(SHARE * accuracy.error)}"
+    return [f"Errors of random soles {reached}, where {wanted}, with {with_them}"]
 
 
 def _start(heights: list[int] | None, space: Waypoints) -> list[list[int]] | None:
@@ -210,11 +231,11 @@ def _search_entry(result: SearchResult, confirmed: Confirmation, finalists: int)
     front = confirmed.designs[confirmed.good] if several else confirmed.designs[:0]
     return {
         "objective_names": problem.names,
-        "choose": dataclasses.asdict(problem.choice) if several else None,
+        "choose": asdict(problem.choice) if several else None,
         "constraints": problem.limits,
         "hypervolume": result.history[-1].hypervolume,
         "front_size": len(result.front),
-        "search_accuracy": accuracy_entry(problem.accuracy, problem.scene, problem.space),
+        "search_accuracy": asdict(numerics(problem.accuracy, problem.scene, problem.space)),
         "confirmed": {
             "k": result.k[confirmed.designs[:finalists]].tolist(),
             "values": confirmed.values[:finalists],
@@ -224,7 +245,7 @@ def _search_entry(result: SearchResult, confirmed: Confirmation, finalists: int)
             "agrees": confirmed.agrees,
             "largest_change": confirmed.largest_change,
         },
-        "solver": dataclasses.asdict(result.solver),
+        "solver": asdict(result.solver),
         "seed": result.solver.seed,
         "evaluations": result.evaluations,
         "designs": result.designs,

@@ -18,17 +18,18 @@ from rich.table import Table as RichTable
 from footopt.design import EXHAUSTIVE, FootProblem, SearchResult, Solver, confirm, make_executor, search
 from footopt.design.result import check_finalists
 from footopt.design.robust import RobustProblem, regret
-from footopt.design.scenarios import Scenario, draw, plausible_laws, sands
+from footopt.design.scenarios import Scenario, Spread, draw, plausible_laws, sands
 from footopt.design.store import plain
-from footopt.errors import FootoptError, check, check_whole
+from footopt.errors import FootoptError, SettingError, check, check_whole
 from footopt.files import io as files
 from footopt.files.feet import write_foot
 from footopt.foot import Foot
 from footopt.report import figures, terminal
 from footopt.report.figures import tables
+from footopt.report.output import foot_entry, scene_entry
 from footopt.report.progress import report_generations
-from footopt.studies.base import Study, accuracy_entry, foot_entry, scene_entry
-from footopt.studies.build import check_searchable, make_spread
+from footopt.studies import build
+from footopt.studies.runs import Study
 from footopt.studies.settings import Config
 from footopt.studies.validation.model import model_error
 from footopt.walk import MEASURES, Scene, Simulator, simulate
@@ -55,7 +56,7 @@ class Comparison(NamedTuple):
 def run(study: Study) -> None:
     """Search the specialists and the robust foot, and report the losses of each."""
     config, options, finer = study.config, study.options, study.finer_accuracy
-    check_searchable(config.foot)
+    build.check_searchable(config.foot)
     check_finalists(options.finalists)
     scene: Any = study.simulator
     scenarios = make_scenarios(config, scene)
@@ -113,7 +114,7 @@ def run(study: Study) -> None:
             "feet": {name: k.tolist() for name, k in feet.items()},
             "hollow_mm": {name: 1e3 * sole.hollow for name, sole in soles.items()},
             "scenarios": [
-                {**plain(s), "accuracy": accuracy_entry(finer, s.scene, s.space(judge.space))}
+                {**plain(s), "accuracy": asdict(numerics(finer, s.scene, s.space(judge.space)))}
                 for s in scenarios
             ],
             "regrets": {
@@ -121,7 +122,7 @@ def run(study: Study) -> None:
                 for name, row in zip(compared.names, compared.regrets.tolist(), strict=True)
             },
             **scene_entry(scene, numerics(finer, scene, judge.space), judge.record),
-            "search_accuracy": accuracy_entry(problem.accuracy, scene, judge.space),
+            "search_accuracy": asdict(numerics(problem.accuracy, scene, judge.space)),
             "solver": asdict(solver),
             "seed": solver.seed,
             "evaluations": result.evaluations,
@@ -142,6 +143,26 @@ def make_scenarios(config: Config, scene: Scene | Simulator) -> tuple[Scenario, 
         check_whole(options.draws, "study.draws", 2, 10_000)
         return draw(scene, make_spread(config), options.draws, config.solver.seed)
     return sands(scene) if options.scenarios == "sands" else plausible_laws(scene)
+
+
+def make_spread(config: Config) -> Spread:
+    """How far the scenarios of the settings lie apart.
+
+    zeta is null for that of the sand; a period or angles that are null are measured: how the strides of the
+    gait's file differ.
+    """
+    values = dict(vars(config.study.spread))
+    if values["zeta"] is None:
+        values["zeta"] = config.sand.spread
+    unknown = [name for name, value in values.items() if value is None]
+    if not unknown:
+        return Spread(**values)
+    strides = build.make_strides(config.gait)
+    if strides is None or len(strides.periods) < 3:
+        allowed = "a number, unless gait.path records three strides or more"
+        raise SettingError(f"study.spread.{unknown[0]}", None, allowed)
+    measured = dict(zip(("period", "angles"), strides.variation(), strict=True))
+    return Spread(**values | {name: measured[name] for name in unknown})
 
 
 def searched(

@@ -1,10 +1,11 @@
-"""Runs in folders: whether one may begin or go on there, and `load`, a run as an object."""
+"""Runs: `Study`, one at work, what may begin or go on in a folder, and `load`, a run as an object."""
 
 from __future__ import annotations
 
 import os
+import shlex
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
@@ -13,73 +14,93 @@ from typing import Any, cast
 from omegaconf import OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
-from footopt.design import SearchResult, Solver, Store, search
+from footopt.design import FootProblem, SearchResult, Solver, Store, search
+from footopt.design.store import listed
 from footopt.effects import EFFECTS
 from footopt.errors import ERROR_FILE, FileError, FootoptError, SettingError, check
 from footopt.files import identity
-from footopt.files.identity import LOCK, Occupied, changed_settings, finished, locked, result_of
-from footopt.files.io import plain, read_json_file
+from footopt.files import io as files
+from footopt.files.identity import changed_settings, finished, locked, result_of
 from footopt.files.soles import read_foot
-from footopt.foot import Foot
-from footopt.studies import searches
-from footopt.studies.build import (
-    check_searchable,
-    load_plugins,
-    make_accuracy,
-    make_foot,
-    make_problem,
-    make_simulator,
+from footopt.foot import Foot, Waypoints
+from footopt.report.output import Output
+from footopt.studies import ROBOT, SCENE, SETTING_OF_GROUP, build, searches, within
+from footopt.studies.settings import (
+    CHANGEABLE,
+    REPORTS,
+    STUDIES,
+    AccuracyConfig,
+    Config,
+    FootConfig,
+    structured,
 )
-from footopt.studies.meanings import checked, within
-from footopt.studies.settings import REPORTS, STUDIES, Config, FootConfig, structured
-from footopt.walk import Accuracy, Walk, simulate
-from footopt.walk.accuracy import AnyAccuracy
+from footopt.walk import Accuracy, Scene, Simulator, Walk, simulate
+from footopt.walk.accuracy import AnyAccuracy, confirming
 from footopt.walk.batch import at_once
 
 __version__ = version("footopt")
 
-#: Settings that may change when a run goes on: how long, where and with what it ends, not what is searched.
-CHANGEABLE = (
-    "solver.n_gen", "solver.walks", "solver.seconds", "engine", "report", "choose", "study.confirm",
-    "study.finalists", "study.store", "study.certify", "study.reuse", "study.video", "study.details",
-    "foot.block", "plugins",
-)  # fmt: skip
-
 BUDGETS = ("walks", "n_gen")  # settings of the solver that may make a search longer
-LOG = "footopt.log"  # Hydra's, of what is logged
+
+
+class Study(Output):
+    """One run of a study: a module of this package asks the question, this class does the rest.
+
+    Its parameters are those of `run_study`.
+    """
+
+    def __init__(
+        self, config: Config, folder: Path, settings: Mapping[str, Any], overrides: Sequence[str] = ()
+    ) -> None:
+        check(config.report in REPORTS, "report", config.report, f"one of {', '.join(REPORTS)}")
+        super().__init__(config.study.name, folder, config.report, settings, overrides)
+        self.config, self.options = config, config.study  # all settings, and the study's own
+
+    # the library's objects of the settings, each made when it is first asked for
+    scene = cached_property[Scene](lambda self: build.make_scene(self.config))
+    simulator = cached_property[Scene | Simulator](lambda self: build.make_simulator(self.config))
+    accuracy = cached_property[AnyAccuracy](lambda self: build.make_accuracy(self.config.accuracy))
+    space = cached_property[Waypoints](lambda self: build.make_space(self.config.foot))
+    foot = cached_property[Foot](lambda self: build.make_foot(self.config.foot))  # the one of the settings
+
+    @cached_property
+    def finer_accuracy(self) -> AnyAccuracy:
+        """The accuracy that what a search found is walked again at: study.confirm, or the search's own."""
+        confirm = self.options.confirm
+        return confirming(confirm, self.accuracy) if confirm else self.accuracy
+
+    def store(self, problem: FootProblem) -> Store:
+        """Where designs are kept; a `FootoptError` if other code would replace a finished run's result."""
+        store = Store(self.options.store or self.folder / "designs.sqlite", problem, self.options.reuse)
+        if store.foreign and self.options.reuse:
+            self.foreign = store.foreign
+        elif store.foreign and finished(result_of(self.folder)):
+            store.close()
+            raise FootoptError(
+                f"{self.folder}: other code has walked this finished run ({listed(store.foreign)}). "
+                "Start a new run; or add study.reuse=true, if you know that the walks are the same."
+            )
+        return store
+
+    @property
+    def origin(self) -> dict[str, str]:
+        """The run for the page's commands: its folder, as seen from here, and its overrides."""
+        overrides = [one for one in self.overrides if not one.startswith("study.start=")]
+        return {"folder": shlex.quote(os.path.relpath(self.folder)), "overrides": shlex.join(overrides)}
 
 
 def check_may_change(override: str) -> None:
     """Raise a `SettingError` unless an override of the command line sets one of `CHANGEABLE`."""
     allowed = f"a setting that does not make another run ({', '.join(CHANGEABLE)})"
-    hint = "For anything else start a new run, without resume."
-    check(
-        "=" in override and within(override.partition("=")[0], CHANGEABLE), "resume", override, allowed, hint
-    )
-
-
-def claim_folder(folder: Path, settings: Mapping[str, Any], overrides: Sequence[str]) -> None:
-    """Leave what a run is in its folder; `Occupied` by a finished run, or by what another one has left."""
-    other = "Choose another hydra.run.dir."
-    if finished(result_of(folder)):
-        raise Occupied(f"{folder}: holds a run that is finished; footopt resume=... extends it. {other}")
-    begun = (folder / identity.FILE).exists()
-    left = {path.name for path in folder.iterdir()} - {identity.FILE, LOCK, LOG, ERROR_FILE}
-    if left & {"result.json", "designs.sqlite"} or (begun and left):
-        there = identity.read(folder, "hydra.run.dir").settings if begun else {}
-        if names := changed_settings(settings, there):
-            raise Occupied(
-                f"{folder}: holds another run, which differs in {', '.join(names[:4])}. "
-                f"footopt resume=... goes on with it. {other}"
-            )
-    identity.write(folder, settings, overrides)
+    good = "=" in override and within(override.partition("=")[0], CHANGEABLE)
+    check(good, "resume", override, allowed, "For anything else start a new run, without resume.")
 
 
 def check_resumable(folder: Path, before: Mapping[str, Any], after: Mapping[str, Any]) -> None:
     """Raise unless a run may go on: only `CHANGEABLE` settings differ, and a search becomes longer."""
     if not (found := result_of(folder)):
         return
-    changed = changed_settings(plain(before), found["settings"])
+    changed = changed_settings(files.plain(before), found["settings"])
     if other := [name for name in changed if not within(name, CHANGEABLE)]:
         raise FileError(
             f"resume = {str(folder)!r}: its result.json is that of another run: {', '.join(other[:4])} "
@@ -126,21 +147,41 @@ def run_study(
     SettingError, Occupied
         The study does not go with the other settings, or the folder is that of another run.
     """
-    from footopt.studies.base import Study  # figures and tables: nothing that loading a run needs
-
     at_once(config.engine.threads)
-    config = checked(config, overrides)
+    config = build.checked(config, overrides)
     with locked(folder):
         (folder / ERROR_FILE).unlink(missing_ok=True)  # of a job that failed before
         before = {*folder.iterdir()}
         if not resumed:
-            claim_folder(folder, settings, overrides)
+            identity.claim_folder(folder, settings, overrides)
         try:
             return STUDIES[config.study.name][1](Study(config, folder, settings, overrides))
         except FootoptError:
             if {*folder.iterdir()} - before == {folder / identity.FILE}:  # it was refused: there is no run
                 (folder / identity.FILE).unlink()
             raise
+
+
+def in_world_of_run(
+    settings: Mapping[str, Any], default: Mapping[str, Any], given: Sequence[str]
+) -> dict[str, Any]:
+    """Settings with the foot and the world of the run that study.run names, but for those that are given.
+
+    The accuracy is that of the run's own numbers. `given` are the names of settings and groups on the command
+    line; what differs from `default` has been given, too.
+    """
+    run = identity.read(Path(settings["study"]["run"]).expanduser(), "run").settings
+    world = {name: run[name] for name in (*SCENE, *ROBOT, "accuracy")}
+    if confirm := run["study"].get("confirm"):
+        finer = confirming(confirm, build.make_accuracy(AccuracyConfig(**run["accuracy"])))
+        world["accuracy"] = dict.fromkeys(run["accuracy"]) | {"name": finer.name}
+    foot = run["foot"] | {name: settings["foot"][name] for name in ("k", "block")}
+    found, now = (OmegaConf.create({**settings, **new}) for new in ({**world, "foot": foot}, {}))
+    changed = {*changed_settings(settings, default), *(SETTING_OF_GROUP.get(name, name) for name in given)}
+    for name in sorted(changed):  # a group before what is in it
+        if name.partition(".")[0] in world:
+            OmegaConf.update(found, name, OmegaConf.select(now, name), merge=False)
+    return cast(dict[str, Any], OmegaConf.to_container(found))
 
 
 def foot_of(folder: Path, k: list[int] | None = None) -> Foot:
@@ -155,15 +196,14 @@ def foot_of(folder: Path, k: list[int] | None = None) -> Foot:
         allowed = "the folder of one job of this multirun"
         raise SettingError("run", str(folder), allowed, f"Such as run={folder / '0'}")
     try:
-        result = read_json_file(folder / "result.json", "run")
-        design, given = result["design"], result["settings"]["foot"]
-        saved = FootConfig(**{f.name: given[f.name] for f in fields(FootConfig) if f.name in given})
+        result = files.read_json_file(folder / "result.json", "run")
+        design, saved = result["design"], FootConfig(**result["settings"]["foot"])
         of_space = saved.shape == "waypoints" and design["k"] is not None
         check(k is None or of_space, "foot.k", k, f"null: the run's foot is {saved.shape}")
         if k is not None:
-            return make_foot(replace(saved, k=k))
+            return build.make_foot(replace(saved, k=k))
         if design["k"] is not None:
-            foot = make_foot(replace(saved, k=design["k"]))
+            foot = build.make_foot(replace(saved, k=design["k"]))
         else:  # the contour itself: a drawing that it came from may have changed
             worn = {"width": design["width_m"], "ankle": tuple(design["ankle_m"])}
             foot = read_foot(folder / "contour.csv", **worn, closed=saved.closed, top=saved.top)
@@ -224,9 +264,9 @@ class Run:
         if self.config.plugins and not self.trusted:
             hint = "Read what they do, then load the run with trust=True."
             raise FileError(f"{self.folder}: its settings name plugins, which are code. {hint}")
-        load_plugins(self.config.plugins)
+        build.load_plugins(self.config.plugins)
         given = self.config.effects
-        scene: Any = make_simulator(replace(self.config, effects=replace(given, auto=False)))
+        scene: Any = build.make_simulator(replace(self.config, effects=replace(given, auto=False)))
         if not given.auto:
             return scene
         if not self.result:
@@ -239,11 +279,9 @@ class Run:
         """The Pareto front as walked finely, the answer first: a pandas DataFrame of k1 ... and values."""
         import pandas
 
-        if not (heights := self.result.get("front")):
-            return pandas.DataFrame()
-        columns = [*(f"k{i}" for i in range(1, len(heights[0]) + 1)), *self.result["front_columns"]]
-        rows = zip(heights, self.result["front_values"], strict=True)
-        return pandas.DataFrame([k + values for k, values in rows], columns=columns)
+        heights, found = self.result.get("front") or [], self.result
+        values = pandas.DataFrame(found["front_values"], columns=found["front_columns"]) if heights else None
+        return pandas.DataFrame(heights).rename(columns=lambda i: f"k{i + 1}").join(values)
 
     @property
     def designs(self) -> Any:
@@ -263,7 +301,7 @@ class Run:
         """Walk with its foot in its scene, by default as finely as its own numbers were."""
         if accuracy is None:
             saved = self.result.get("accuracy")
-            accuracy = Accuracy(**saved) if saved else make_accuracy(self.config.accuracy)
+            accuracy = Accuracy(**saved) if saved else build.make_accuracy(self.config.accuracy)
         return simulate(self.foot, self.scene, accuracy)
 
     def search(self, **budget: int) -> SearchResult:
@@ -271,8 +309,8 @@ class Run:
         config = self.config
         if config.study.name != "optimize":
             raise SettingError("study.name", config.study.name, "optimize, to search again")
-        check_searchable(config.foot)
-        problem = make_problem(config, self.scene)
+        build.check_searchable(config.foot)
+        problem = build.make_problem(config, self.scene)
         solver = Solver(**vars(config.solver) | budget)
         path = self.folder / (config.study.store or "designs.sqlite")
         if not self.trusted and path.resolve().parent != self.folder.resolve():
@@ -300,27 +338,3 @@ def load(folder: str | Path, trust: bool = False) -> Run:
     """
     path = Path(folder).expanduser()
     return Run(path, *identity.read(path, "folder"), trusted=trust)
-
-
-def load_all(pattern: str | Path) -> Any:
-    """All runs below folders: a pandas DataFrame with a row for each.
-
-    Columns are `folder`, `overrides`, each setting by its full name, each objective, `hollow_mm`, `k`, the
-    other numbers of result.json, `warnings` (how many), and `note`: why there is no better result.
-
-    Parameters
-    ----------
-    pattern : str or Path
-        Of folders, as in a shell, such as ``"outputs/**"``; a folder stands for all runs below it.
-
-    Raises
-    ------
-    FileError
-        There are no runs.
-    """
-    from footopt.report import summary  # pandas and matplotlib take a second
-
-    found = [summary.read(folder) for folder in identity.runs(pattern)]
-    if not found:
-        raise FileError(f"pattern = {str(pattern)!r}: no run is there. Try 'outputs/**'.")
-    return summary.as_frame(found)

@@ -1,34 +1,32 @@
-"""The settings of a run: their names, their types, and where each default comes from.
+"""The settings of a run: their names, types, defaults and meanings.
 
 A default of the library is taken from there. The YAML files of conf/ only name what differs.
-`footopt.studies.build` makes the library's objects of the settings, `footopt.cli` composes them.
+`build` makes the library's objects of the settings, `footopt.cli` composes them.
 """
 
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterator, Mapping
+import math
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass, make_dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, get_type_hints
+from typing import Any, ClassVar, NamedTuple, get_type_hints
 
 from omegaconf import OmegaConf
 
-from footopt.design import EXHAUSTIVE, FRONT_RULES, SINGLE, SOLVERS, Choice, Solver, Spread, make_executor
+from footopt.design import Choice, Solver, Spread, make_executor
 from footopt.design.problem import SETS
-from footopt.design.solvers.registry import AUTO
 from footopt.effects import EFFECTS
 from footopt.files.soles import read_foot
-from footopt.foot import SHAPES, Foot, Waypoints, shapes
+from footopt.foot import Foot, Waypoints, shapes
 from footopt.gait import Gait
 from footopt.mujoco.robot import Robot
-from footopt.sand import MEDIA, Sand, StressMap
-from footopt.walk import MEASURES, PRESETS, Accuracy, Walker
+from footopt.report.terminal import described
+from footopt.sand import Sand, StressMap
+from footopt.walk import MEASURES, Accuracy, Walker
 
 #: How much a run leaves: result.json, contour.csv and what it is resumed from; all but figures; everything.
 REPORTS = ("none", "light", "full", "print")
-
-#: Solvers of several objectives.
-SEVERAL = [name for name in SOLVERS if name not in (*SINGLE, EXHAUSTIVE)]
 
 
 def default(function: Callable[..., Any], name: str) -> Any:
@@ -46,16 +44,30 @@ def setting(value: Any, meaning: str | type) -> Any:
     return field(default=value, metadata=told)
 
 
-class Leaf(NamedTuple):
-    """A setting of a group, and what is said of it."""
+class Setting(NamedTuple):
+    """A setting of a run, and what is said of it and of its group."""
 
     name: str  # in full
-    value: Any
+    default: Any
     meaning: str | type  # a class: in its docstring
-    of_group: str | type  # what is said of the group that it is in
+    of_group: str | type
+
+    @property
+    def described(self) -> tuple[str, str]:
+        """Its kind with the unit, and its meaning."""
+        name = self.name.rpartition(".")[2]
+        if isinstance(self.meaning, type):
+            return described(self.meaning).get(name, ("", str(self.of_group)))
+        limit = self.group == "constraint" and name in MEASURES
+        return f"float, {MEASURES[name].unit}".removesuffix(", ") if limit else "", self.meaning
+
+    @property
+    def group(self) -> str:
+        """The group that it is in."""
+        return self.name.partition(".")[0]
 
 
-def leaves(group: Any, name: str = "", of_group: str | type = "") -> Iterator[Leaf]:
+def leaves(group: Any, name: str = "", of_group: str | type = "") -> Iterator[Setting]:
     """All settings of a group, in their order; one without a meaning has that of its group."""
     for each in fields(group):
         value, path = getattr(group, each.name), f"{name}{each.name}"
@@ -63,15 +75,20 @@ def leaves(group: Any, name: str = "", of_group: str | type = "") -> Iterator[Le
         if is_dataclass(value) and fields(value):
             yield from leaves(value, f"{path}.", meaning)
         else:
-            yield Leaf(path, value, meaning, of_group)
+            yield Setting(path, value, meaning, of_group)
 
 
-def settings_class(kind: type, null: tuple[str, ...] = ()) -> Any:
-    """The fields and defaults of a frozen dataclass of the library, as one to change; `null` may be null."""
-    kinds = {name: t | None if name in null else t for name, t in get_type_hints(kind).items()}
-    given = ((f, f.default if f.default_factory is MISSING else f.default_factory()) for f in fields(kind))
-    settings = [(f.name, kinds[f.name], setting(value, kind)) for f, value in given]
-    return importable(make_dataclass(f"{kind.__name__}Settings", settings))
+def settings_class(kind: type, null: Collection[str] = (), given: Mapping[str, Any] | None = None) -> Any:
+    """The fields and defaults of a frozen dataclass of the library, as one to change.
+
+    `null` names fields that may be null; `given` has fields that are not as in the dataclass.
+    """
+    hints, made = get_type_hints(kind), []
+    for f in fields(kind):
+        value = f.default if f.default_factory is MISSING else f.default_factory()
+        one = (given or {}).get(f.name) or setting(value, kind)
+        made.append((f.name, hints[f.name] | None if f.name in null else hints[f.name], one))
+    return importable(make_dataclass(f"{kind.__name__}Settings", made))
 
 
 def importable(made: type) -> Any:
@@ -81,16 +98,13 @@ def importable(made: type) -> Any:
     return made
 
 
-if TYPE_CHECKING:
-    from footopt.design import Solver as SolverConfig
-    from footopt.foot import Waypoints as SpaceConfig
-    from footopt.sand import StressMap as CoefficientsConfig
-    from footopt.walk import Walker as WalkerConfig
-else:
-    SolverConfig, SpaceConfig, CoefficientsConfig, WalkerConfig = map(
-        settings_class, (Solver, Waypoints, StressMap, Walker)
-    )
-SpreadConfig: Any = settings_class(Spread, null=("zeta", "period", "angles"))  # of the sand, or the strides
+SpaceConfig: Any = settings_class(Waypoints)
+SolverConfig: Any = settings_class(Solver)
+#: zeta is null for that of the sand; a period or angles that are null are those of the strides.
+SpreadConfig: Any = settings_class(Spread, ("zeta", "period", "angles"), {"zeta": setting(None, Spread)})
+BY_HAND = {f.name: setting(None, Accuracy) for f in fields(Accuracy) if f.name != "name"}
+FOUND = setting(None, "Takes the cheapest accuracy within this relative error.")
+AccuracyConfig: Any = settings_class(Accuracy, BY_HAND, {**BY_HAND, "tolerance": FOUND})
 
 
 @dataclass
@@ -124,23 +138,12 @@ class SandConfig:
     name: str = setting(Sand.name, "For tables and legends.")
     zeta: float = setting(Sand.zeta, "Scale of the stress map on the Earth; 1 is the generic material.")
     spread: float = setting(Spread.zeta, "What is not known of zeta: a standard deviation of its logarithm.")
-    coefficients: CoefficientsConfig = setting(
-        CoefficientsConfig, "In N/cm^3; Bm11, Cm11: the (-1, 1) terms."
-    )
+    coefficients: Any = setting(settings_class(StressMap), "In N/cm^3; Bm11, Cm11: the (-1, 1) terms.")
     table: str | None = setting(None, "File of measured stresses, to which nine coefficients are fitted.")
 
 
-@dataclass
-class NamesConfig:
-    """A gait file's own names of columns, where they are not usual."""
-
-    time: str | None = None
-    thigh: str | None = None
-    hip: str | None = None
-    knee: str | None = None
-    foot: str | None = None
-    ankle: str | None = None
-    pelvis: str | None = None
+COLUMNS = ("time", "thigh", "hip", "knee", "foot", "ankle", "pelvis")  # of a file of a gait
+NamesConfig = importable(make_dataclass("NamesConfig", [(name, str | None, None) for name in COLUMNS]))
 
 
 @dataclass
@@ -155,7 +158,7 @@ class GaitConfig:
     start: float = setting(Gait.start, "When the walker begins to walk, s; .inf: never.")
     side: str | None = setting(None, "right or left; null: right, or left if it is the only one.")
     window: list[float] | None = setting(None, "Begin and end of a stride in the file, s; null: all strides.")
-    names: NamesConfig = setting(NamesConfig, "The file's name of this column; null: a usual one.")
+    names: Any = setting(NamesConfig, "The file's name of this column; null: a usual one.")
 
 
 @dataclass
@@ -224,20 +227,6 @@ class RobotConfig:
 
 
 @dataclass
-class AccuracyConfig:
-    """How finely it is simulated: a preset, the cheapest within a tolerance, or parts of it by hand."""
-
-    name: str = setting("custom", Accuracy)
-    tolerance: float | None = setting(None, "Takes the cheapest accuracy within this relative error.")
-    stepper: str | None = setting(None, Accuracy)
-    dt: float | None = setting(None, Accuracy)
-    plates: int | None = setting(None, Accuracy)
-    creep: float | None = setting(None, Accuracy)
-    rule: str | None = setting(None, Accuracy)
-    control: float | None = setting(None, Accuracy)
-
-
-@dataclass
 class ObjectiveConfig:
     """The objectives, by name."""
 
@@ -292,20 +281,38 @@ class Config:
     sand: SandConfig = field(default_factory=SandConfig)
     gait: GaitConfig = field(default_factory=GaitConfig)
     foot: FootConfig = field(default_factory=FootConfig)
-    walker: WalkerConfig = field(default_factory=WalkerConfig)
+    walker: Any = field(default_factory=settings_class(Walker))
     effects: EffectsConfig = field(default_factory=AllEffects)
     scene: SceneConfig = field(default_factory=SceneConfig)
     simulator: SimulatorConfig = field(default_factory=SimulatorConfig)
     robot: RobotConfig = field(default_factory=RobotConfig)
-    accuracy: AccuracyConfig = field(default_factory=AccuracyConfig)
+    accuracy: Any = field(default_factory=AccuracyConfig)
     objective: ObjectiveConfig = field(default_factory=ObjectiveConfig)
     choose: ChooseConfig = field(default_factory=ChooseConfig)
     constraint: OwnConstraints = setting(
         ConstraintConfig,
         "Limit: the largest of what is minimised, the smallest of what is maximised; null: none.",
     )
-    solver: SolverConfig = field(default_factory=SolverConfig)
+    solver: Any = field(default_factory=SolverConfig)
     engine: EngineConfig = field(default_factory=EngineConfig)
+
+
+#: Settings that name files or folders to read.
+PATHS = ("foot.path", "gait.path", "robot.controller", "robot.model", "sand.table", "study.store",
+         "study.run", "study.runs", "study.tests", "plugins")  # fmt: skip
+
+#: Settings by which a folder could have code run that nobody asked for, and files that a run writes.
+CODE, WRITTEN = ("plugins", "engine.address", "robot.controller"), ("study.store", "study.video")
+
+#: Settings that are values by names of the user's own, or null.
+BY_NAME = ("study.own", "effects.own", "constraint.own", "choose.weights", "choose.limits", "robot.joints")
+
+#: Settings that may change when a run goes on: how long, where and with what it ends, not what is searched.
+CHANGEABLE = (
+    "solver.n_gen", "solver.walks", "solver.seconds", "engine", "report", "choose", "study.confirm",
+    "study.finalists", "study.store", "study.certify", "study.reuse", "study.video", "study.details",
+    "foot.block", "plugins",
+)  # fmt: skip
 
 
 def structured(settings: Mapping[str, Any]) -> Any:
@@ -314,35 +321,31 @@ def structured(settings: Mapping[str, Any]) -> Any:
     return OmegaConf.merge(OmegaConf.structured(Config(study=kind())), settings)
 
 
-#: The setting that the choice of a group sets, where it is not its name.
-SETTING_OF_GROUP = {
-    "foot": "foot.shape",
-    "objective": "objective.names",
-    "planet": "walker.g",
-    "effects": "effects",
-}
+def everything() -> Config:
+    """The default settings, with those of all effects."""
+    effects = {each.name: EFFECTS[each.name]() for each in fields(AllEffects) if each.name in EFFECTS}
+    return Config(effects=AllEffects(**effects))
 
-#: Choices of groups that the library knows by name: what each sets. Those in conf/ join them.
-GROUP_OPTIONS: dict[str, dict[str, Any]] = {
-    "sand": {name: {"name": name, "zeta": zeta} for name, zeta in MEDIA.items()},
-    "foot": {name: {"shape": name} for name in SHAPES},
-    "effects": {name: {name: {}} for name in EFFECTS},
-    "accuracy": {name: {"name": name} for name in (*PRESETS, "custom")} | {"coarse": {"tolerance": 0.05}},
-    "objective": {name: {"names": list(names)} for name, names in SETS.items()},
-    "choose": {name: {"name": name} for name in FRONT_RULES},
-    "solver": {name: {"name": name} for name in (AUTO, *SOLVERS) if name not in SEVERAL},
-    "simulator": {"walker": {"name": "walker"}},
-    "study": {"own": OwnSettings},
-}
 
-#: Of robots, whose walks cost hundreds of times those of the walker.
-OF_ROBOTS = {"defaults": [{"override /accuracy": "coarse"}], "solver": {"walks": 1000}}
+def study_kinds() -> list[type[StudySettings]]:
+    """The settings of all studies, a class each."""
+    return [StudySettings, OwnSettings, *(kind for kind, _ in STUDIES.values())]
 
-#: Choices that change another group, too: a solver for several objectives searches the paper's five.
-GLOBAL_OPTIONS: dict[str, dict[str, dict[str, Any]]] = {
-    "study": {},
-    "simulator": {name: {"simulator": {"name": name}, **OF_ROBOTS} for name in ("biped", "robot")},
-    "solver": {
-        name: {"defaults": [{"override /objective": "pareto"}], "solver": {"name": name}} for name in SEVERAL
-    },
-}
+
+def known() -> dict[str, Setting]:
+    """All settings by their full names, with their defaults: those of every effect and every study."""
+    study = [each for kind in study_kinds() for each in leaves(kind(), "study.")]
+    found: dict[str, Setting] = {}
+    for setting in leaves(everything()):
+        for each in study if setting.name == "study.name" else [setting]:
+            found.setdefault(each.name, each)
+    return found
+
+
+def shown(value: Any) -> str:
+    """A value as it is written on the command line."""
+    if value is None or isinstance(value, bool):
+        return {None: "null", True: "true", False: "false"}[value]
+    if isinstance(value, (list, tuple)):
+        return f"[{','.join(map(shown, value))}]"
+    return ".inf" if value == math.inf else f"{value:g}" if isinstance(value, float) else str(value)

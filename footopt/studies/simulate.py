@@ -14,10 +14,10 @@ from footopt.files.feet import write_all, write_foot
 from footopt.foot import Foot
 from footopt.report import terminal
 from footopt.report.numbers import title
-from footopt.studies.base import Study, foot_entry, scene_entry
+from footopt.report.output import foot_entry, scene_entry
 from footopt.studies.build import make_space, make_strides
 from footopt.studies.effects import choose_effects
-from footopt.studies.runs import foot_of
+from footopt.studies.runs import Study, foot_of
 from footopt.studies.validation.model import model_error
 from footopt.walk import Walk, simulate
 from footopt.walk.phases import stance

@@ -21,7 +21,8 @@ from footopt.foot import Foot
 from footopt.report import terminal
 from footopt.report.figures.tables import verdicts
 from footopt.report.numbers import percent
-from footopt.studies.base import Study, foot_entry, scene_entry
+from footopt.report.output import foot_entry, scene_entry
+from footopt.studies.runs import Study
 from footopt.studies.settings import Config
 from footopt.studies.stability_cases import CASES, Case
 from footopt.walk import FIVE, STEPPERS, Accuracy, Scene, Walk, simulate

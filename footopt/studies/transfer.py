@@ -19,11 +19,12 @@ from footopt.report.figures.studies import transfer as draw
 from footopt.report.numbers import number
 from footopt.report.progress import report_generations
 from footopt.sand import MEDIA, Sand
-from footopt.studies.base import Study, accuracy_entry
 from footopt.studies.build import check_searchable
 from footopt.studies.robust import searched
+from footopt.studies.runs import Study
 from footopt.walk import FIVE, MEASURES, Scene, Simulator, evaluate
 from footopt.walk.accuracy import AnyAccuracy, confirming, resolve
+from footopt.walk.ladder import numerics
 
 Array = NDArray[np.float64]
 
@@ -99,7 +100,7 @@ def run(study: Study) -> None:
             "seed": solver.seed,
             "solver": asdict(solver),
             "objective_names": names,
-            "search_accuracy": accuracy_entry(study.accuracy, robot, study.space),
+            "search_accuracy": asdict(numerics(study.accuracy, robot, study.space)),
             "transfer": [
                 vars(t)
                 | {"sand": t.sand.name, "zeta": t.sand.zeta, "feet": {n: f.k for n, f in t.feet.items()}}

@@ -9,7 +9,7 @@ from dataclasses import replace
 from footopt.errors import check
 from footopt.report import terminal
 from footopt.report.figures.validation import experiment, law_name, overview
-from footopt.studies.base import Study
+from footopt.studies.runs import Study
 from footopt.studies.validation.compare import AGREES, DIFFERS, Comparison, experiments
 
 HEAD = ("experiment", "quantity", "law", "E", "mean", "2 u", "verdict")

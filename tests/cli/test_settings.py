@@ -23,11 +23,11 @@ from footopt.design import Solver, make_executor
 from footopt.effects import EFFECTS
 from footopt.errors import FootoptError, SettingError
 from footopt.sand import MEDIA
-from footopt.studies import build
-from footopt.studies.meanings import check_values, known, studies_that_read
-from footopt.studies.robust import make_scenarios
+from footopt.studies import build, studies_that_read
+from footopt.studies.build import check_values
+from footopt.studies.robust import make_scenarios, make_spread
 from footopt.studies.runs import run_study
-from footopt.studies.settings import Config
+from footopt.studies.settings import Config, known
 from footopt.walk import PRESETS
 
 CHOICES = {group: [f"{group}={name}" for name in names] for group, names in groups().items()}
@@ -61,7 +61,7 @@ class TestDefaults:
         assert build.make_scene(config) == fo.Scene()
         assert build.make_space(config.foot) == fo.Waypoints()
         assert build.make_accuracy(config.accuracy) == PRESETS["standard"]
-        assert build.make_spread(composed("study=robust")) == fo.Spread()
+        assert make_spread(composed("study=robust")) == fo.Spread()
         assert Solver(**vars(config.solver)) == Solver()
         assert set(groups()["study"]) == {*studies.STUDIES, "own"}
         assert {*EFFECTS} < {*groups()["effects"]}

@@ -12,7 +12,7 @@ from running import composed, footopt
 
 import footopt as fo
 from footopt.cli.compose import CONF, groups, hydra_overrides
-from footopt.studies.meanings import known
+from footopt.studies.settings import known
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted(

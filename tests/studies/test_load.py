@@ -9,7 +9,7 @@ from running import composed, footopt, unrender
 import footopt as fo
 from footopt.errors import FileError, SettingError
 from footopt.files import identity
-from footopt.studies.meanings import checked
+from footopt.studies.build import checked
 
 WORDS = [
     *("sand=soft", "accuracy=draft", "objective.names=[distance,work]", "solver=nsga2", "solver.pop_size=8"),

@@ -9,8 +9,7 @@ from study_pages import check_page
 from footopt import studies
 from footopt.errors import SettingError
 from footopt.report import figures
-from footopt.studies.base import Study
-from footopt.studies.runs import run_study
+from footopt.studies.runs import Study, run_study
 
 PLUGIN = """
 from dataclasses import dataclass

@@ -15,11 +15,11 @@ import footopt as fo
 from footopt.errors import SettingError
 from footopt.foot import SHAPES
 from footopt.studies import Paper
-from footopt.studies.base import Study
 from footopt.studies.build import make_effects
 from footopt.studies.paper import VERDICTS, judge, run, walks
 from footopt.studies.paper.claims import CLAIMS
 from footopt.studies.paper.walks import CHOICES, changes, evidence, make_shapes
+from footopt.studies.runs import Study
 from footopt.studies.settings import Config
 
 DOCS = Path(__file__).parents[2] / "docs"

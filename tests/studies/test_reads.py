@@ -9,7 +9,8 @@ from running import composed
 from footopt.errors import SettingError
 from footopt.foot import SHAPES
 from footopt.studies import STUDIES, build
-from footopt.studies.meanings import check_read, known
+from footopt.studies.build import check_read
+from footopt.studies.settings import known
 
 #: Other values of settings that are no numbers.
 OTHER = {

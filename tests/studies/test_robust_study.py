@@ -12,7 +12,7 @@ import footopt as fo
 from footopt.design.scenarios import sands
 from footopt.errors import SettingError
 from footopt.files.gaits import read_strides
-from footopt.studies.build import make_spread
+from footopt.studies.robust import make_spread
 from footopt.studies.runs import run_study
 from footopt.walk.accuracy import PRESETS
 from footopt.walk.ladder import numerics

@@ -14,10 +14,11 @@ from footopt.report import terminal
 from footopt.report.figures.paper import all_figures
 from footopt.report.figures.tables import claims as draw_claims
 from footopt.report.numbers import number
-from footopt.studies.base import Study, scene_entry
+from footopt.report.output import scene_entry
 from footopt.studies.build import check_searchable
 from footopt.studies.paper.claims import CLAIMS, measure
 from footopt.studies.paper.walks import SANDS, changes, evidence
+from footopt.studies.runs import Study
 from footopt.walk import FIVE, OBJECTIVES, Walk, simulate
 
 __all__ = ["run"]
