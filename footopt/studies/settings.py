@@ -25,7 +25,7 @@ from footopt.report.terminal import described
 from footopt.sand import Sand, StressMap
 from footopt.walk import MEASURES, Accuracy, Walker
 
-#: How much a run leaves: result.json, contour.csv and what it is resumed from; all but figures; everything.
+#: How much a run leaves, from result.json, contour.csv and what it is resumed from up to figures as PDF.
 REPORTS = ("none", "light", "full", "print")
 
 
@@ -93,8 +93,7 @@ def settings_class(kind: type, null: Collection[str] = (), given: Mapping[str, A
 
 def importable(made: type) -> Any:
     """A class that was made here, found by its name in this module, as a launcher sends it to processes."""
-    made.__module__ = __name__
-    globals()[made.__name__] = made
+    made.__module__, globals()[made.__name__] = __name__, made
     return made
 
 
@@ -103,8 +102,8 @@ SolverConfig: Any = settings_class(Solver)
 #: zeta is null for that of the sand; a period or angles that are null are those of the strides.
 SpreadConfig: Any = settings_class(Spread, ("zeta", "period", "angles"), {"zeta": setting(None, Spread)})
 BY_HAND = {f.name: setting(None, Accuracy) for f in fields(Accuracy) if f.name != "name"}
-FOUND = setting(None, "Takes the cheapest accuracy within this relative error.")
-AccuracyConfig: Any = settings_class(Accuracy, BY_HAND, {**BY_HAND, "tolerance": FOUND})
+BY_HAND["tolerance"] = setting(None, "Takes the cheapest accuracy within this relative error.")
+AccuracyConfig: Any = settings_class(Accuracy, BY_HAND, BY_HAND)
 
 
 @dataclass
