@@ -21,7 +21,7 @@ from footopt.walk.steppers.implicit import SDIRK2
 GAMMA = SDIRK2().gamma
 MAX_NEWTON = 100  # evaluations of one stage, line search included
 #: Rows of `Workspace.room`, of the twists and wrenches of the near bodies.
-BASE, START, FREELY, AHEAD, TWISTS, FORCES, SUM, LOAD, DV, DLOAD, REST, WAY, ROOM = range(13)
+BASE, FREELY, AHEAD, TWISTS, FORCES, SUM, LOAD, DV, DLOAD, REST, WAY, ROOM = range(12)
 TIGHT = 1e-3  # last step of Newton's method over the speed of the feet; forces err by its square
 
 
@@ -194,10 +194,8 @@ def chosen(space):
         if space.bodies[b].near:
             near[bodies] = b
             for i in range(6):
-                able = False
-                for k in range(space.jacobian.shape[1]):
-                    able = able or space.jacobian[6 * b + i, k] != 0.0
-                if able:
+                row = space.jacobian[6 * b + i]
+                if inner(row, row) > 0.0:
                     moves[n], rows[n] = 6 * bodies + i, 6 * b + i
                     n += 1
             bodies += 1
@@ -213,7 +211,9 @@ def solve(space, effects, meshes):
     near, moves, rows = space.chosen[0, :bodies], space.chosen[1, :able], space.chosen[2, :able]
     n, x = 6 * len(near), space.answers
     responses(space, rows)
-    base, v0, a, mean = room[BASE, :n], room[START, :n], room[FREELY, :n], room[SUM, :n]
+    base, a, mean, v, f = (
+        room[BASE, :n], room[FREELY, :n], room[SUM, :n], room[TWISTS, :n], room[FORCES, :n]
+    )  # fmt: skip
     for p in range(len(moves)):
         row, own = space.mobility[p], space.jacobian[rows[p]]
         for i in range(n):
@@ -223,39 +223,33 @@ def solve(space, effects, meshes):
                 row[moves[q]] += own[k] * x[k, q]
     for i in range(n):
         row = 6 * near[i // 6] + i % 6
-        v0[i], room[FORCES, i] = vectors[TWIST, row], vectors[BEFORE, row]
-        base[i] = -0.5 * dt * v0[i]
+        base[i], f[i], mean[i] = -0.5 * dt * vectors[TWIST, row], vectors[BEFORE, row], 0.0
     for p in range(len(moves)):
         a[moves[p]] = vectors[FREE, rows[p]]
     for k in range(len(space.freedoms)):
         for p in range(len(moves)):
             a[moves[p]] -= x[k, p] * space.freedoms[k].pull
-    for i in range(n):
-        mean[i] = 0.0
-    for k in range(len(near)):
-        space.bodies[near[k]].pending = 0.0
+    turn = c / space.step[0].length
     for stage in range(2):  # of SDIRK2
-        v, f, share = room[TWISTS, :n], room[FORCES, :n], 1.0 if stage else r / c
         weight = c if stage else r
         for p in range(len(moves)):
             i = moves[p]
-            room[AHEAD, i] = v0[i] + (dt if stage else c) * a[i]
+            room[AHEAD, i] = vectors[TWIST, rows[p]] + (dt if stage else c) * a[i]
             if stage:
                 room[AHEAD, i] += r * inner(space.mobility[p, :n], f)
                 base[i] += r * v[i]
-        turn = c / space.step[0].length
         if not newton(space, effects, meshes, near, moves, c, turn, h[stage], room[AHEAD, :n], v, f):
             space.step[0].failures += 1
-        bend(space, near, v, c, turn, h[stage], h[stage + 1], share)
+        bend(space, near, v, c, turn, h[stage], h[stage + 1], 1.0 if stage else r / c)
         for k in range(len(near)):
-            six = slice(6 * k, 6 * k + 6)
-            space.bodies[near[k]].power = inner(f[six], v[six])
-            space.bodies[near[k]].pending += weight * space.bodies[near[k]].power
+            body, six = space.bodies[near[k]], slice(6 * k, 6 * k + 6)
+            body.power = inner(f[six], v[six])
+            body.pending += weight * body.power
         for i in range(n):
             mean[i] += weight / dt * f[i]
     for i in range(n):
         row = 6 * near[i // 6] + i % 6
-        vectors[MEAN, row], vectors[END, row] = mean[i], room[FORCES, i]
+        vectors[MEAN, row], vectors[END, row] = mean[i], f[i]
     gained = space.gained[0]
     for k in range(len(gained)):
         gained[k] = 0.0

@@ -49,6 +49,22 @@ def test_a_drop_sinks_as_deep_at_every_step_and_with_every_integrator(block, int
         assert depth == pytest.approx(depths[1e-4], rel=0.01), dt
 
 
+def test_one_line_of_plates_stands_for_two_where_a_foot_cannot_roll(block):
+    free, data, contact = block(dt=2e-3, foot=HOLLOW)
+    joints = '<joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 0 1"/><joint axis="0 -1 0"/>'
+    held = mujoco.MjModel.from_xml_string(
+        shared.BLOCK.replace("<freejoint/>", joints).format(dt=2e-3, integrator="Euler", height=0.05)
+    )
+    other = mujoco.MjData(held)
+    with_one = attach(held, other, {"foot": HOLLOW}, HARD)
+    data.qvel[:3], other.qvel[:2] = (0.3, 0.0, -0.2), (0.3, -0.2)
+    settle(free, data, 0.3)
+    settle(held, other, 0.3)
+    with_one.detach()
+    assert (contact.lines, with_one.lines) == (2, 1)
+    np.testing.assert_allclose(np.add(other.qpos[:2], [0.0, 0.05]), data.qpos[[0, 2]], atol=1e-6)
+
+
 @pytest.mark.parametrize("zeta", [0.2, 5.0, 50.0])
 @pytest.mark.parametrize("pushed", [0.0, 40.0])
 def test_who_stands_stays_for_a_minute(block, zeta, pushed):
