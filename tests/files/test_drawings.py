@@ -70,10 +70,6 @@ SVG = {
         'width="11in" height="8.5in" viewBox="0 0 792 612"',
         f'<g transform="rotate(180 396 306)">{scaled(72 / 25.4, "translate(396 306) rotate(180)")}</g>',
     ),
-    "used twice, of which one is a definition": svg(
-        'xmlns:xlink="http://www.w3.org/1999/xlink" width="400mm" viewBox="0 0 400 200"',
-        f'<defs><g id="sole">{scaled(1)}</g></defs><use xlink:href="#sole" x="200" y="90"/>',
-    ),
 }  # fmt: skip
 
 

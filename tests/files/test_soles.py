@@ -206,12 +206,6 @@ class TestDxf:
         same(np.hypot(*sole.T), 0.1, 1e-9)
         assert 0.1 - np.hypot(*(0.5 * (sole[1:] + sole[:-1])).T).min() < 2.1e-5
 
-    @pytest.mark.parametrize("order", [(0, 1, 2), (2, 0, 1), (1, 2, 0)])
-    def test_pieces_are_joined_whichever_way_they_were_drawn(self, dxf, order):
-        ends = [((-0.1, 0), (0, -0.02)), ((0.05, -0.02), (0, -0.02)), ((0.05, -0.02), (0.1, 0.01))]
-        path = dxf(lambda space: [space.add_line(*ends[i]) for i in order], units=6)
-        same(read(path), [(-0.1, 0), (0, -0.02), (0.05, -0.02), (0.1, 0.01)])
-
     def test_holes_are_left_out_and_listed(self, dxf):
         def draw(space):
             space.add_circle((20, 0), 4)

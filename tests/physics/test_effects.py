@@ -79,6 +79,7 @@ def regular_walk(regular, ramp_foot):
 
 NOTHING = {
     "slope": Slope(0.0),
+    "shadowing": fo.Shadowing(1.0),
     "inertia": Inertia(rho=0.0),
     "inertia's factor": Inertia(factor=0.0),
     "layers": Layers((0.02, 0.05), (1.0, 1.0)),
@@ -126,11 +127,9 @@ def all_walk(scene, ramp_foot):
 
 @pytest.mark.slow  # of compiling all effects
 class TestWalks:
-    def test_momentum_is_the_impulse_of_sand_and_gravity(self, all_walk):
+    def test_momentum_is_the_impulse_of_sand_and_gravity_and_energy_closes(self, all_walk):
         assert all_walk.feasible
         np.testing.assert_allclose(momentum_gap(all_walk), 0.0, rtol=0, atol=1e-9)
-
-    def test_energy_closes(self, all_walk):
         assert energy_gap(all_walk) < 5e-4
 
     def test_plates_add_up_to_the_feet(self, all_walk):

@@ -69,10 +69,6 @@ class TestBox:
         outside = max(z.max(), -SPACE.H - z.min(), 0.0)
         assert SPACE.box_violation(k)[0] == pytest.approx(outside, abs=1e-3 * SPACE.H)
 
-    def test_a_flat_sole_stays_inside_and_a_jagged_one_does_not(self):
-        assert fo.Foot.flat().box_violation == 0.0
-        assert fo.Foot.from_waypoints([1, 10] * 5 + [1]).box_violation > 0.1 * SPACE.H
-
     def test_most_random_soles_leave_the_box(self):
         """Two thirds do, which is why the violation is a constraint of the problem."""
         violation = SPACE.box_violation(SPACE.random(2000, seed=0))
@@ -314,11 +310,8 @@ class TestFoot:
 def test_how_far_soles_leave_their_box_is_what_their_contours_say(seed):
     """To the bit, in spaces drawn at random: what is in the box is part of what a search finds."""
     rng = np.random.default_rng(seed)
-    box = fo.Waypoints(
-        n=int(rng.integers(4, 40)), K=int(rng.integers(2, 200)), H=float(rng.uniform(0.005, 0.1))
-    )
-    k = rng.integers(1, box.K + 1, (300, box.n))
+    n, K, H = int(rng.integers(4, 40)), int(rng.integers(2, 200)), float(rng.uniform(0.005, 0.1))
+    box, k = fo.Waypoints(n=n, K=K, H=H), rng.integers(1, K + 1, (300, n))
     z = box.contour(k)[:, :, 1]
-    np.testing.assert_array_equal(
-        box.box_violation(k), np.maximum(np.maximum(z.max(axis=1), -box.H - z.min(axis=1)), 0.0)
-    )
+    outside = np.maximum(np.maximum(z.max(axis=1), -H - z.min(axis=1)), 0.0)
+    np.testing.assert_array_equal(box.box_violation(k), outside)

@@ -77,10 +77,14 @@ def test_bristles_stay_in_the_unit_disc_and_sand_forgets_a_foot_that_has_left(ra
 
 
 @pytest.mark.slow  # of compiling
-def test_of_a_long_walk_as_many_bristles_are_kept_as_there_is_room_for(ramp_foot, monkeypatch):
+def test_plates_add_up_to_the_force_and_long_walks_keep_as_many_bristles_as_there_is_room_for(
+    ramp_foot, monkeypatch
+):
     """The nearest kept ones are those of at most a few steps later."""
     scene = fo.Scene(effects=(fo.Rest(),))
     whole = fo.simulate(ramp_foot, scene)
+    found = whole.plates(np.arange(len(whole.t))).total
+    assert np.abs(found - whole.force).max() < 1e-3 * scene.walker.weight
     monkeypatch.setattr(discretize, "MOST_BYTES", 16.0 * whole.accuracy.plates * len(whole.t) // 4)
     part = fo.simulate(ramp_foot, scene)
     assert len(part.bristles) <= len(whole.bristles) // 4 + 1
@@ -88,13 +92,6 @@ def test_of_a_long_walk_as_many_bristles_are_kept_as_there_is_room_for(ramp_foot
     late = np.flatnonzero(whole.t > 0.1)
     off = np.abs(part.plates(late).total - part.force[late]).max(axis=(1, 2))
     assert np.median(off) < 0.1 * scene.walker.mass * scene.walker.g
-
-
-@pytest.mark.slow  # of compiling
-def test_the_plates_forces_add_up_to_the_walks(ramp_foot):
-    walk = fo.simulate(ramp_foot, fo.Scene(effects=(fo.Rest(),)))
-    found = walk.plates(np.arange(len(walk.t))).total
-    assert np.abs(found - walk.force).max() < 1e-3 * walk.scene.walker.weight
 
 
 @njit(error_model="numpy")

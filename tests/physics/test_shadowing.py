@@ -10,7 +10,6 @@ import footopt as fo
 from footopt.effects.shadowing import filled
 from footopt.errors import SettingError
 from footopt.foot import lower_hull
-from footopt.walk.discretize import NEWTON
 
 PART = st.floats(0.0, 1.0)
 
@@ -35,12 +34,6 @@ class TestTheSole:
         points = fo.Foot.shape(name).points(300)[None]
         assert np.array_equal(filled(points, 0.0), points)
 
-    @given(st.lists(SOLES, min_size=2, max_size=5))
-    def test_a_sole_does_not_depend_on_its_batch(self, feet):
-        batch = np.stack([foot.points(80) for foot in feet])
-        for points, found in zip(batch, filled(batch, 0.3), strict=True):
-            assert np.array_equal(filled(points[None], 0.3)[0], found)
-
     @pytest.mark.parametrize("turn", [1, -1])
     def test_blades_are_shortened_whichever_way_they_are_drawn(self, turn):
         x = np.repeat(np.linspace(-0.05, 0.05, 8), 2)  # four blades
@@ -62,18 +55,10 @@ class TestTheWalk:
         for name, value in fo.simulate(body, accuracy=accuracy).objectives.items():
             assert shaded[name] == pytest.approx(value, rel=5e-3)
 
-    def test_many_feet_walk_as_one_does_and_plates_add_up_to_the_force(self):
-        """The latter to the last step of Newton's method."""
+    def test_many_feet_walk_as_one_does(self):
         scene = fo.Scene(effects=(fo.Shadowing(),))
         one, many = fo.simulate(fo.Foot.from_waypoints(K), scene), fo.evaluate([K, K[::-1]], scene)
         assert many.values[0].tolist() == [one.objectives[name] for name in many.names]
-        found = one.plates(np.arange(len(one.t))).total
-        error = np.abs(found - one.force).max(axis=(1, 2)) / np.abs(found).max()
-        assert np.median(error) < 1e-5
-        assert np.quantile(error, 0.9) < NEWTON
-
-    def test_all_of_the_depth_is_the_plain_law(self):
-        assert fo.Scene(effects=(fo.Shadowing(1.0),)).effects == ()
 
     @pytest.mark.parametrize("part", [-0.1, 1.1, float("nan")])
     def test_a_part_is_from_0_to_1(self, part):

@@ -27,11 +27,8 @@ class TestSettings:
 
 def test_poses_of_long_motions_do_not_pile_up(monkeypatch):
     """A motion of ten minutes takes 290 MB: of such ones two are kept, of short ones many."""
-    monkeypatch.setattr(
-        sys.modules["footopt.walk.discretize"],
-        "LONG",
-        pose_rows(fo.Scene(t_f=1.5), ORDINARY),
-    )
+    long = pose_rows(fo.Scene(t_f=1.5), ORDINARY)
+    monkeypatch.setattr(sys.modules["footopt.walk.discretize"], "LONG", long)
     gaits = [fo.Gait.human(period=period) for period in (1.0, 1.1, 1.2, 1.3)]
     for duration, kept in ((1.0, pose_tables), (2.0, long_pose_tables)):
         kept.cache_clear()
