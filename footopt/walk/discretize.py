@@ -119,14 +119,13 @@ long_pose_tables = lru_cache(maxsize=LONG_ONES)(_pose_tables)
 
 def soles(plates: Plates) -> Sole:
     """Plates of all designs in whole blocks (the last one repeated without area), each in a rectangle."""
-    extra = -plates.x.shape[1] % LANES
-    padded = partial(np.pad, pad_width=((0, 0), (0, extra)), mode="edge")
-    x, z = padded(plates.x), padded(plates.z)
+    count = plates.x.shape[1]
+    order = np.minimum(np.arange(count + -count % LANES), count - 1)
+    columns = [np.take(column, order, axis=1) for column in plates[:-1] if column is not None]
+    x, z, _, _, area, *tangent = columns
+    area[:, count:] = 0.0
     blocks = [column.reshape(len(column), -1, LANES) for column in (x, z)]
     (low_x, low_z), (high_x, high_z) = ([q.min(axis=2) for q in blocks], [q.max(axis=2) for q in blocks])
-    area = np.pad(plates.area, ((0, 0), (0, extra)))
-    tangent = [padded(column) for column in (plates.tx, plates.tz, plates.turn) if column is not None]
-    columns = [x, z, padded(plates.c2), padded(plates.s2), area, *tangent]
     middle, half = (0.5 * (low_x + high_x), 0.5 * (low_z + high_z)), (high_x - low_x, high_z - low_z)
     return Sole(
         plates=np.stack(columns, axis=1),
