@@ -22,6 +22,20 @@ def walk_on(zeta, *effects, **scene):
     return fo.Scene(sand=fo.Sand(zeta), effects=effects, **scene)
 
 
+def measured(zeta, mass, g, *effects):
+    """A walk on a sand and planet, the foot's pitch as measured, by the strides of similar walks."""
+    gait = replace(fo.Gait.human(), pitch="measured", period=1.2 * (9.81 / g) ** 0.5)
+    return walk_on(zeta, *effects, gait=gait, walker=fo.Walker(mass, g=g))
+
+
+def waves(n=40):
+    """Soles of half a sine wave to three halves."""
+    phase = np.linspace(0.0, np.pi, n)
+    heights = (np.rint(5.5 + 4.5 * np.sin(halves * phase)).astype(int) for halves in (1, 2, 3))
+    return [fo.Foot.from_waypoints(k, fo.Waypoints(n=n)) for k in heights]
+
+
+STEP = fo.Patches((0.5,), (9.0,), (10.0,), blur=1e-4)
 CLIFF = fo.Patches((0.5,), (9.0,), (1000.0,), blur=1e-4)
 SPIKES = [fo.Foot.from_waypoints([1, 10] * 100)]
 
@@ -32,8 +46,17 @@ CASES = {
     "20 us behind the heel strike": (soles(), walk_on(5.0, t_f=1.10002)),
     "a comb of 200 waypoints": (SPIKES, walk_on(5.0)),
     "leading edge on hard sand": (soles(), walk_on(5.0, fo.LeadingEdge())),
+    "smooth soles of 40 on the Moon": (
+        waves(),
+        measured(161.0, 50.0, 1.62, fo.LeadingEdge(), fo.Shadowing()),
+    ),
+    "combs of 49 under 8 kg": (
+        [fo.Foot.from_waypoints([1, top] * 24 + [1], fo.Waypoints(n=49)) for top in (10, 8, 2)],
+        measured(353.0, 8.0, 9.81, fo.LeadingEdge()),
+    ),
+    "a cliff on Mars": (soles(), measured(233.0, 60.0, 3.71, STEP, fo.LeadingEdge(), fo.Inertia())),
 }
-RIGHT = ("a level slab on zeta 200", "leading edge on hard sand")
+RIGHT = ("a level slab on zeta 200", "leading edge on hard sand", "smooth soles of 40 on the Moon")
 
 
 @pytest.mark.slow
