@@ -8,28 +8,31 @@ import numpy as np
 
 from footopt.compiled import inlined, unless_none
 from footopt.walk.bristles import update_bristles
-from footopt.walk.contact import Direction, bristles_between, contact, direction, kinematics
-from footopt.walk.state import (
-    Contact,
-    Force,
-    Implicit,
-    Motion,
-    Turning,
-    ankle_of,
-    in_world,
-    lowest,
-    no_force,
-    no_turning,
+from footopt.walk.contact import contact
+from footopt.walk.state import Contact, Force, Motion, Turning, no_force, no_turning
+from footopt.walk.turning import (
+    Foot,
+    Step,
+    ahead,
+    begun,
+    directions,
+    distance,
+    half_way,
+    no_directions,
+    stepped,
+    sticking,
+    turned,
+    velocity,
 )
 
 MAX_NEWTON = 100  # contact evaluations of one implicit stage
 PATIENCE = 8  # of them ahead of h without a smaller residual, before Newton's method goes on from the best
+HALVINGS = 16  # the same, of steps in w
 NEAR = 0.1  # |w_x - h_x| + |w_z - h_z| of both feet, within which no foot has turned over
-INSIDE = 0.999  # |w| at most
-STICKS = 0.995  # |w| at most, of a foot whose velocity is known from w
 GATE_STEP = 2.0  # largest last step of Newton's method over the creep speed, where an effect has a gate
 
-PLAIN, AHEAD, DAMPED = range(3)  # steps of Newton's method: with w = h; with w ahead of h; with back-tracking
+#: Steps of Newton's method: with w = h; with w ahead of h; in w; with back-tracking.
+PLAIN, AHEAD, WITHIN, DAMPED = range(4)
 
 
 class Stage(NamedTuple):
@@ -64,9 +67,9 @@ def solve_stage(world, sole, poses, start, c, vx, vz, bristles, turning, counts)
     creep speed the slope of h does not show the way back. From there on the direction w of either foot is an
     unknown of its own (`turned`) and stands for h in dh/dv = rate (I - w h^T), as in primal-dual methods for
     total variation (Chan, Golub & Mulet, SIAM J. Sci. Comput. 20, 1999). The root is the same: w = h there.
-    Between two velocities gates of effects may open or shut, of which the slope at neither tells: there the
-    slope along the way from the best velocity so far is the `secant`. Where that leads nowhere, steps from
-    there are halved until the residual is smaller.
+    Gates of effects open or shut between two velocities, of which the slope at neither tells: there Newton's
+    method goes on in w itself (`footopt.walk.turning`), and a step that makes the residual larger is halved.
+    Where w leads nowhere, and where bristles hold the plates of a scene with gates, steps in V are halved.
 
     Parameters
     ----------
@@ -89,12 +92,17 @@ def solve_stage(world, sole, poses, start, c, vx, vz, bristles, turning, counts)
     """
     inv, h0 = c / world.mass, _h0(bristles)
     turning_speed = _turning_speed(world.bristle_length, world.creep, c)
-    w, mode, idle, best_rx, best_rz = turning, PLAIN, 0, 0.0, 0.0
+    gated = world.effects.gates is not None and not world.shut
+    w, mode, idle, foot, step = turning, PLAIN, 0, Foot(0.0, 0.0, 0.0), Step(0.0, 0.0, 0.0, 0.0)
     if w.on:
         hip = Motion(start.x + c * vx, start.z + c * vz, vx, vz)
         if distance(w, directions(world, sole, poses, hip, turning_speed, h0)) > NEAR:
-            mode = AHEAD
-            vx, vz = sticking(world, sole, poses, hip, h0, w)
+            if gated:
+                mode, (foot, step) = WITHIN, begun(sole, poses, hip, turning_speed, w)
+                vx, vz = velocity(foot, step, vx, vz)
+            else:
+                mode = AHEAD
+                vx, vz = sticking(world, sole, poses, hip, h0, w)
     now = Iterate(vx, vz, 0.0, 0.0, np.inf, vx, vz)
     at = Contact(no_force(), no_force(), no_turning())
     for _ in range(MAX_NEWTON):
@@ -105,19 +113,34 @@ def solve_stage(world, sole, poses, start, c, vx, vz, bristles, turning, counts)
         square = rx * rx + rz * rz
         if square <= now.best:
             now = Iterate(now.vx, now.vz, now.dvx, now.dvz, square, now.vx, now.vz)
-            idle, best_rx, best_rz = 0, rx, rz
+            idle = 0
         elif mode == PLAIN:
             before = Motion(hip.x - c * now.dvx, hip.z - c * now.dvz, hip.vx - now.dvx, hip.vz - now.dvz)
             h = directions(world, sole, poses, before, turning_speed, h0)
-            w = turned(Turning(True, h[0].x, h[0].z, h[1].x, h[1].z), h, now.dvx, now.dvz)
-            if distance(w, directions(world, sole, poses, hip, turning_speed, h0)) > NEAR:
+            w = Turning(True, h[0].x, h[0].z, h[1].x, h[1].z)
+            if not gated:
+                w = turned(w, h, now.dvx, now.dvz)
+            h = directions(world, sole, poses, hip, turning_speed, h0)
+            far = distance(w, h) > NEAR
+            if far and not gated:
                 mode = AHEAD  # the same velocity again, with the w that the step has led to
+            elif far and h0 is None:
+                w = half_way(w, h)
+                mode, (foot, step) = WITHIN, begun(sole, poses, hip, turning_speed, w)
+                vx, vz = velocity(foot, step, now.vx, now.vz)
+                now = Iterate(vx, vz, 0.0, 0.0, np.inf, vx, vz)
             else:
                 mode, now = DAMPED, back_track(now)
             continue
+        elif mode == WITHIN and idle < HALVINGS:
+            idle, dvx, dvz = idle + 1, 0.5 * now.dvx, 0.5 * now.dvz
+            step = Step(step.x, step.z, 0.5 * step.dx, 0.5 * step.dz)
+            vx, vz = velocity(foot, step, now.best_vx + dvx, now.best_vz + dvz)
+            now = Iterate(vx, vz, dvx, dvz, now.best, now.best_vx, now.best_vz)
+            continue
         elif mode == AHEAD and idle < PATIENCE:
             idle += 1
-        elif mode == AHEAD:
+        elif mode != DAMPED:
             mode = DAMPED
             counts.rescues += 1
             now = Iterate(now.best_vx, now.best_vz, 0.0, 0.0, np.inf, now.best_vx, now.best_vz)
@@ -125,99 +148,24 @@ def solve_stage(world, sole, poses, start, c, vx, vz, bristles, turning, counts)
         else:
             now = back_track(now)
             continue
-        slope = slope_of(inv, at)
-        if idle > 1 and world.effects.gates is not None and not world.shut:
-            slope = secant(slope, now.vx - now.best_vx, now.vz - now.best_vz, rx - best_rx, rz - best_rz)
-        dvx, dvz = newton_step(slope, rx, rz)
+        dvx, dvz = newton_step(slope_of(inv, at), rx, rz)
         if mode == AHEAD:
             w = turned(w, h, dvx, dvz)
         now = Iterate(now.vx + dvx, now.vz + dvz, dvx, dvz, now.best, now.best_vx, now.best_vz)
         if converged(world, now, at, turning_speed):
             end = Motion(start.x + c * now.vx, start.z + c * now.vz, now.vx, now.vz)
             _bend(bristles, sole, poses, end, turning_speed)
-            w = Turning(mode == AHEAD, w.left_x, w.left_z, w.right_x, w.right_z)
+            if mode == WITHIN:
+                h = directions(world, sole, poses, end, turning_speed, h0)
+                w = Turning(True, h[0].x, h[0].z, h[1].x, h[1].z)
+            w = Turning(mode in (AHEAD, WITHIN), w.left_x, w.left_z, w.right_x, w.right_z)
             left, right = _extrapolated(at.left, dvx, dvz), _extrapolated(at.right, dvx, dvz)
             return Stage(end, Contact(left, right, w), True)
+        if mode == WITHIN:
+            step = stepped(foot, now.best_vx, now.best_vz, dvx, dvz)
+            vx, vz = velocity(foot, step, now.vx, now.vz)
+            now = Iterate(vx, vz, dvx, dvz, now.best, now.best_vx, now.best_vz)
     return Stage(start, at, False)
-
-
-@inlined
-def directions(world, sole, poses, hip, turning_speed, h0):
-    """h of the deepest plate of either foot, a pair of `Direction`; 0 in the air."""
-    left = _direction_of(world, sole, poses, 0, hip, turning_speed, h0)
-    return left, _direction_of(world, sole, poses, 1, hip, turning_speed, h0)
-
-
-@inlined
-def no_directions():
-    """`directions` of feet in the air."""
-    return Direction(0.0, 0.0, 0.0, 0.0), Direction(0.0, 0.0, 0.0, 0.0)
-
-
-@inlined
-def _direction_of(world, sole, poses, foot, hip, turning_speed, h0):
-    ankle = in_world(ankle_of(poses, foot), hip)
-    i, z = lowest(sole, ankle)
-    if z >= 0.0:
-        return Direction(0.0, 0.0, 0.0, 0.0)
-    motion = kinematics(ankle, sole.plates[0, i], sole.plates[1, i])
-    bristles = bristles_between(h0, foot, 0, sole.plates.shape[1])
-    return direction(motion, turning_speed, ankle.rate * sole.span, bristles, i)
-
-
-@inlined
-def ahead(w, h, c, on):
-    """A stage as either foot's plates have it, a pair of `Implicit`: w - h where w is an unknown."""
-    if not on:
-        return Implicit(c, 0.0, 0.0), Implicit(c, 0.0, 0.0)
-    return (
-        Implicit(c, w.left_x - h[0].x, w.left_z - h[0].z),
-        Implicit(c, w.right_x - h[1].x, w.right_z - h[1].z),
-    )
-
-
-@inlined
-def distance(w, h):
-    """How far w is from h."""
-    left, right = h
-    far = abs(w.left_x - left.x) + abs(w.left_z - left.z)
-    return far + abs(w.right_x - right.x) + abs(w.right_z - right.z)
-
-
-@inlined
-def turned(w, h, dvx, dvz):
-    """w after a step of Newton's method, m/s, from `directions` at its beginning."""
-    left_x, left_z = _turned(w.left_x, w.left_z, h[0], dvx, dvz)
-    right_x, right_z = _turned(w.right_x, w.right_z, h[1], dvx, dvz)
-    return Turning(True, left_x, left_z, right_x, right_z)
-
-
-@inlined
-def _turned(x, z, h, dvx, dvz):
-    """h + rate (dv - w (h.dv)), kept in the unit disc."""
-    along = h.slides * (h.x * dvx + h.z * dvz)
-    x, z = h.x + h.rate * (dvx - x * along), h.z + h.rate * (dvz - z * along)
-    size = max(1.0, np.sqrt(x * x + z * z) / INSIDE)
-    return x / size, z / size
-
-
-@inlined
-def sticking(world, sole, poses, hip, h0, w):
-    """The hip's velocity with which the foot that sticks moves as w says, m/s: v = eps w / sqrt(1 - |w|^2).
-
-    Where both slip, and with bristles, that of the hip.
-    """
-    left, right = w.left_x * w.left_x + w.left_z * w.left_z, w.right_x * w.right_x + w.right_z * w.right_z
-    foot, x, z, square = 0, w.left_x, w.left_z, left
-    if left == 0.0 or 0.0 < right < left:
-        foot, x, z, square = 1, w.right_x, w.right_z, right
-    ankle = in_world(ankle_of(poses, foot), hip)
-    i, height = lowest(sole, ankle)
-    if height >= 0.0 or square > STICKS * STICKS or h0 is not None:
-        return hip.vx, hip.vz
-    motion = kinematics(ankle, sole.plates[0, i], sole.plates[1, i])
-    speed = world.creep / np.sqrt(1.0 - square)
-    return hip.vx + speed * x - motion.vx, hip.vz + speed * z - motion.vz
 
 
 @inlined
@@ -237,15 +185,6 @@ def slope_of(inv, at):
     jzx = -inv * (left.zx + right.zx)
     jzz = 1.0 - inv * (left.zz + right.zz)
     return jxx, jxz, jzx, jzz
-
-
-@inlined
-def secant(slope, dvx, dvz, drx, drz):
-    """J with the least change by which J dV is the residual's (Broyden, Math. Comp. 19, 1965)."""
-    jxx, jxz, jzx, jzz = slope
-    square = dvx * dvx + dvz * dvz
-    x, z = (drx - jxx * dvx - jxz * dvz) / square, (drz - jzx * dvx - jzz * dvz) / square
-    return jxx + x * dvx, jxz + x * dvz, jzx + z * dvx, jzz + z * dvz
 
 
 @inlined

@@ -106,7 +106,7 @@ class Implicit(NamedTuple):
     """An implicit stage as the plates of a foot have it; None stands for no stage, and no derivatives.
 
     The direction w that Newton's method takes for a plate's h in dh/dv = rate (I - w h^T) is h itself, or
-    ahead of it: see `newton.ahead`.
+    ahead of it: see `turning.ahead`.
     """
 
     time: float  # dx/dv_x = dz/dv_z, s: how the hip's place follows from its velocity

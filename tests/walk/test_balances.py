@@ -132,7 +132,9 @@ def level(gait):
 
 
 class TestNewton:
-    @pytest.mark.parametrize("effects", [(), (fo.Rest(),)], ids=["creep", "rest"])
+    @pytest.mark.parametrize(
+        "effects", [(), (fo.Rest(),), (fo.LeadingEdge(),)], ids=["creep", "rest", "edge"]
+    )
     @pytest.mark.parametrize("zeta", [5.0, 50.0, 500.0])
     def test_a_foot_that_is_kept_level_takes_little_more_than_one_that_turns(self, zeta, effects):
         """All of its plates turn their direction over at one velocity, hundreds of times while it stands."""

@@ -11,7 +11,7 @@ from footopt.gait import start
 from footopt.report.page.file import packed
 from footopt.report.stage import ARROWS
 from footopt.sand.law import EARTH, PER_CM3
-from footopt.walk import Accuracy, Scene, discretize, newton
+from footopt.walk import Accuracy, Scene, discretize, newton, turning
 from footopt.walk.accuracy import AnyAccuracy
 from footopt.walk.batch import MAX_REPEATS
 from footopt.walk.contact import BENT, EXPOSED, TURN
@@ -64,8 +64,8 @@ def physics(scene: Scene, accuracy: AnyAccuracy, foot: Foot | Waypoints) -> dict
             "most": newton.MAX_NEWTON,
             "patience": newton.PATIENCE,
             "close": newton.NEAR,
-            "inside": newton.INSIDE,
-            "sticks": newton.STICKS,
+            "inside": turning.INSIDE,
+            "sticks": turning.STICKS,
             "gated": newton.GATE_STEP,
             "turn": TURN,
             "exposed": EXPOSED,
