@@ -89,7 +89,8 @@ class Model:
 
     def wearing(self, foot: Foot, density: float) -> Model:
         """It with feet of the mass and inertia of a sole with its flat top, of a density, kg/m^3."""
-        found, area, (x, z), (xx, zz, xz) = copy.copy(self.compiled), *moments(foot)
+        mujoco, found = needed("mujoco", "fo.mujoco.Robot", "mujoco"), copy.copy(self.compiled)
+        area, (x, z), (xx, zz, xz) = moments(foot)
         mean, spread = 0.5 * (xx + zz), math.hypot(0.5 * (xx - zz), xz)
         along, mass = 0.5 * math.atan2(2.0 * xz, xx - zz), density * foot.width * area
         least, most, across = mean - spread, mean + spread, foot.width**2 / 12.0
@@ -100,8 +101,7 @@ class Model:
             found.body_ipos[row] = ankle[0] + x - foot.ankle[0], 0.0, ankle[2] + z - foot.ankle[1]
             found.body_iquat[row] = math.cos(0.5 * along), 0.0, -math.sin(0.5 * along), 0.0
             found.body_inertia[row] = mass * np.array([least + across, mean + mean, most + across])
-        data = needed("mujoco", "fo.mujoco.Robot", "mujoco").MjData(found)
-        needed("mujoco", "fo.mujoco.Robot", "mujoco").mj_setConst(found, data)
+        mujoco.mj_setConst(found, mujoco.MjData(found))
         return replace(self, digest=f"{self.digest} {density} {hash(foot)}", compiled=found)
 
     def sensor(self, name: str) -> slice:
