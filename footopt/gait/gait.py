@@ -158,9 +158,5 @@ def ankle(
     Angles are in rad, their rates in rad/s, and the leg's segments l1 and l2 in m.
     """
     st, ct, ss, cs = np.sin(thigh), np.cos(thigh), np.sin(shank), np.cos(shank)
-    return (
-        l1 * st + l2 * ss,
-        -l1 * ct - l2 * cs,
-        l1 * ct * thigh_rate + l2 * cs * shank_rate,
-        l1 * st * thigh_rate + l2 * ss * shank_rate,
-    )
+    x, z = l1 * st + l2 * ss, -l1 * ct - l2 * cs
+    return x, z, l1 * ct * thigh_rate + l2 * cs * shank_rate, l1 * st * thigh_rate + l2 * ss * shank_rate

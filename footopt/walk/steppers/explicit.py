@@ -65,12 +65,8 @@ def runge_kutta(c: tuple[float, ...], b: tuple[float, ...], order: int, source: 
 
 
 STEPPERS["explicit_euler"] = runge_kutta((0.0,), (1.0,), 1, "the paper's eq. 6")
-STEPPERS["semi_implicit_euler"] = Stepper(
-    SemiImplicitEuler(),
-    (1.0,),
-    1,
-    source="Hairer, Lubich & Wanner, Geometric Numerical Integration, 2006, I.1.2",
-)
+SYMPLECTIC = "Hairer, Lubich & Wanner, Geometric Numerical Integration, 2006, I.1.2"
+STEPPERS["semi_implicit_euler"] = Stepper(SemiImplicitEuler(), (1.0,), 1, source=SYMPLECTIC)
 STEPPERS["heun"] = runge_kutta((0.0, 1.0), (0.5, 0.5), 2, "Hairer, Norsett & Wanner, ODEs I, 1993, II.1")
 STEPPERS["rk4"] = runge_kutta(
     (0.0, 0.5, 0.5, 1.0), (1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0), 4, "Kutta, Z. Math. Phys. 46, 1901"
