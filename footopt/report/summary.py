@@ -36,8 +36,8 @@ NUMBERS = ("evaluations", "hypervolume", "wall_time_s", "search_time_s")  # of r
 
 
 @dataclass(frozen=True)
-class Run:
-    """A run as its folder has it; `note` is the reason why there is no result, or no better one."""
+class Row:
+    """A run as its folder has it, for a row of a table; `note` is the reason why there is no result, or no better one."""
 
     folder: Path
     overrides: tuple[str, ...] = ()  # of its command line
@@ -52,7 +52,7 @@ class Run:
         return {name: math.nan if value is None else float(value) for name, value in found.items()}
 
 
-def read(folder: Path) -> Run:
+def read(folder: Path) -> Row:
     """Read the run in a folder; `note` says what is damaged."""
     error, file = folder / ERROR_FILE, folder / "result.json"
     left: dict[str, Any] = {"note": "no result"}
@@ -66,10 +66,10 @@ def read(folder: Path) -> Run:
         left["note"] = str(problem)
     if error.is_file():
         left["note"] = error.read_text(encoding="utf-8").strip()
-    return Run(folder, **left)
+    return Row(folder, **left)
 
 
-def as_frame(runs: Sequence[Run]) -> pandas.DataFrame:
+def as_frame(runs: Sequence[Row]) -> pandas.DataFrame:
     """A row for each run: folder, overrides, settings by full names, objectives, other numbers, note."""
     rows = []
     for run in runs:
@@ -105,7 +105,7 @@ def load_all(pattern: str | Path) -> pandas.DataFrame:
     return as_frame(found)
 
 
-def varied(runs: Sequence[Run]) -> pandas.DataFrame:
+def varied(runs: Sequence[Row]) -> pandas.DataFrame:
     """A row for each run, and a column of text for each setting that differs; "" where it is not known."""
     text = [{name: "" if v is None else str(v) for name, v in run.settings.items()} for run in runs]
     settings = pandas.DataFrame(text).fillna("")
@@ -144,7 +144,7 @@ def compare(folder: Path, folders: Sequence[Path]) -> int:
     return sum(not r or (r.get("study") == "simulate" and bool(r.get("reason"))) for r in results)
 
 
-def _print_table(folder: Path, runs: Sequence[Run], labels: Sequence[str]) -> None:
+def _print_table(folder: Path, runs: Sequence[Row], labels: Sequence[str]) -> None:
     """Print a row for each run with as many objectives as fit, none of them cut."""
     out, units = console(), {name: unit for run in runs for name, unit in run.result.get("units", {}).items()}
     titles = [f"{name.replace('_', ' ')} ({unit})".removesuffix(" ()") for name, unit in units.items()]
@@ -159,7 +159,7 @@ def _print_table(folder: Path, runs: Sequence[Run], labels: Sequence[str]) -> No
         out.print(f"In {folder / 'summary.csv'}, too: {', '.join(left)}", soft_wrap=True)
 
 
-def fronts(runs: Sequence[Run]) -> list[tuple[list[int], list[float], Figure]]:
+def fronts(runs: Sequence[Row]) -> list[tuple[list[int], list[float], Figure]]:
     """The fronts that runs found, by problem: which runs, the hypervolume of each over that of all, a figure.
 
     Runs of a figure that differ by seeds only share a colour, and their hypervolume is the median.
@@ -200,7 +200,7 @@ def over_seeds(settings: pandas.DataFrame, values: pandas.DataFrame) -> pandas.D
 
 
 def runs_content(
-    folder: Path, runs: Sequence[Run], names: Sequence[str], overrides: Sequence[str], about: Sequence[str]
+    folder: Path, runs: Sequence[Row], names: Sequence[str], overrides: Sequence[str], about: Sequence[str]
 ) -> dict[str, Any]:
     """The page in a folder over runs: soles, values and traces, with the overrides of each run and of all."""
     done = [i for i, run in enumerate(runs) if run.objectives]
