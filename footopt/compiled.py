@@ -19,7 +19,7 @@ from numba.extending import overload, register_jitable
 
 log = logging.getLogger("footopt")
 
-SOURCES = ("sand", "effects", "foot", "walk", "mujoco")  # what is compiled, with this file
+SOURCES = ("sand", "effects", "foot", "gait", "walk", "mujoco")  # what walks are made of, with this file
 _choosing = threading.Lock()  # numba has one setting for where it keeps code
 
 #: Assumptions about floating-point numbers in the loop over plates: sums may be reordered, so that
@@ -57,7 +57,7 @@ def unless_none(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def sources() -> list[Path]:
-    """The files that compiled code is made of."""
+    """The files that walks are made of."""
     rooms = (Path(__file__).parent / name for name in SOURCES)
     return [Path(__file__), *sorted(path for room in rooms for path in room.rglob("*.py"))]
 
@@ -83,7 +83,7 @@ def cache_folder() -> str | None:
 
 
 class _Cache(FunctionCache):
-    """numba's cache of a function, in `cache_folder`; of many processes one at a time saves.
+    """numba's cache of a function, in `cache_folder`, saved under a lock.
 
     numba numbers the files of a function's signatures, and two processes could take the same number.
     """

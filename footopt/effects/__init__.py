@@ -1,6 +1,6 @@
 """Effects beyond the plain law, one file each; a new file in this folder is found by itself.
 
-They act in the order of their files: layers make the strength at a depth, which patches multiply.
+They act in the order of `EFFECTS`, footopt's own first: layers give a depth that patches multiply.
 """
 
 import pkgutil

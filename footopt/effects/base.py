@@ -68,7 +68,7 @@ class Effect:
     """
 
     literature = False
-    plausible = False  # whether it may be true of any walk, so that an answer should hold with it and without
+    plausible = False  # whether it is uncertain for any walk: answers are checked with it and without it
     is_inertia = False  # whether its push is what the sand's momentum takes
     in_page = False  # whether the walk in a run's page has it, too (`contact.js`)
 

@@ -124,7 +124,7 @@ def turns_within(points: Array, parts: int) -> Array:
     ahead = dx[:, :-1] * dx[:, 1:] + dz[:, :-1] * dz[:, 1:]
     turn = np.pad(np.abs(np.arctan2(across, ahead)), ((0, 0), (1, 1)))
     between = turn[:, ::parts]
-    between[between > CORNER] = 0.0  # a corner between two plates bends neither
+    between[between > CORNER] = 0.0  # a corner between two plates adds no curvature to either
     inside = turn[:, :-1].reshape(len(points), -1, parts).sum(axis=2)
     return np.asarray(inside + 0.5 * (between[:, 1:] - between[:, :-1]))
 

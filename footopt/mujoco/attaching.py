@@ -121,7 +121,7 @@ class Contact:
         step["rk4"] = model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
         step["length"] = found.bristle_length or BRISTLE_LENGTH
         once = compiled_once(found)
-        step["shut"] = once.shut
+        step["bypass"] = once.bypass
         jacobian = np.zeros((n, model.nv))
         own, words = (step["time"].ctypes.data, jacobian.ctypes.data), ctypes.addressof(FORGOT)
         outside = (*functions("mj_getState", "mj_jacBody"), *own, *functions("mju_warning"), words)

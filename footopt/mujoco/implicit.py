@@ -129,7 +129,7 @@ def newton(space, effects, meshes, near, moves, c, turn, h0, v0, v, f):
             h = h0[3 * first : 3 * last].reshape(3, last - first)
             if meshes is not None and body.mesh:
                 total, rows = forces(body.friction, plain, *state, h)
-            elif space.step[0].shut:
+            elif space.step[0].bypass:
                 total, rows = forces(None, plain, *state, h)
             else:
                 total, rows = forces(None, effects, *state, h)

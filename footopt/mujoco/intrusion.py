@@ -65,7 +65,7 @@ class Grains:
 
     @property
     def xi(self) -> float:
-        """The material constant, N/m^3: the paper's eq. 3, fitted for friction mu of 0.3 to 0.9."""
+        """The material constant, N/m^3: eq. 3 of Agarwal et al. 2023, fitted for mu of 0.3 to 0.9."""
         mu = self.friction
         return self.density * EARTH * (894.0 * mu**3 - 386.0 * mu**2 + 89.0 * mu)
 

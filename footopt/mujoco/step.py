@@ -24,7 +24,7 @@ STEP = np.dtype(
         ("rk4", np.int64),  # 1 where the integrator is RK4, 0 elsewhere
         ("seen", np.int64),  # of RK4's stages: 1 once the step's middle has been called for, 2 once its end
         ("time", float),  # s: MuJoCo's
-        ("shut", np.int64),  # 1 where the gates of effects let all of the stress through
+        ("bypass", np.int64),  # 1 where the gates of effects are not applied
         ("length", float),  # over which bristles bend, m
         ("gravity", float, 3),  # m/s^2
         *[(name, np.int64) for name in COUNTED],

@@ -37,7 +37,7 @@ NUMBERS = ("evaluations", "hypervolume", "wall_time_s", "search_time_s")  # of r
 
 @dataclass(frozen=True)
 class Row:
-    """A run as its folder has it, for a row of a table; `note` is the reason why there is no result, or no better one."""
+    """A run in a table; `note` is the reason why there is no result, or no better one."""
 
     folder: Path
     overrides: tuple[str, ...] = ()  # of its command line

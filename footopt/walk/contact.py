@@ -31,9 +31,10 @@ from footopt.walk.state import (
     plates_between,
 )
 
-TURN = 0.25  # of the difference in speed along a turning plate, over which its direction is smoothed
-EXPOSED = 0.5  # of the same, over which a gate opens
-BENT = 0.75  # of the angle by which a plate is bent, over which a gate opens
+# widths of what is smoothed
+TURN = 0.25  # of a plate's direction: this share of the difference in speed along a plate that rotates
+EXPOSED = 0.5  # of a gate: this share of the same
+BENT = 0.75  # of a gate: this share of the angle by which the contour turns within a plate
 EDGE = 0.05  # n.h over which an effect's gate opens where bristles say how a plate moves
 
 
@@ -43,7 +44,7 @@ class Direction(NamedTuple):
     x: float
     z: float
     rate: float  # s/m
-    slides: float  # 0 where bristles hold the plate, else 1
+    slides: float  # 1 for a plate that slides, 0 for one that bristles hold
 
 
 class PlateForce(NamedTuple):
@@ -80,7 +81,7 @@ def direction(motion, turning_speed, within, h0, i):
 
     Along a plate that rotates the velocity differs by `within`, m/s: near the centre of the rotation the mean
     direction over the plate is smooth where that in its middle jumps. Bristles are bent from `h0`
-    by the motion over a length, and the turning speed is that length over the time for which they are.
+    by the motion over a length delta; the turning speed is delta over the time since then.
     """
     vx, vz = motion.vx, motion.vz
     if h0 is None:
@@ -94,10 +95,10 @@ def direction(motion, turning_speed, within, h0, i):
 
 
 @inlined_fast
-def resistance(law, c, s, h, pull, stage):
-    """f = pull (a - M h), N in x and z: the paper's eq. 1 in its affine form, the stress times pull.
+def resistance(law, c, s, h, felt, stage):
+    """f = felt (a - M h), N in x and z: the paper's eq. 1 in its affine form, the stress times felt.
 
-    c, s: cosine and sine of twice the plate's angle in the world. pull: area times depth, m^3, with effects;
+    c, s: cosine and sine of twice the plate's angle in the world. felt: area times depth, m^3, with effects;
     zeta is in the law.
     The stress p changes with the direction of motion, dp/dv = -rate (M - (M w) h^T), w = h or ahead of it.
     """
@@ -105,7 +106,7 @@ def resistance(law, c, s, h, pull, stage):
     mzx, mzz = -law.B_diff * s, law.B01 + law.B_sum * c
     x, z = mxx * h.x + mxz * h.z, mzx * h.x + mzz * h.z  # M h
     px, pz = -law.D10 * s - x, law.A00 + law.A10 * c - z
-    k, rate = lift(pull), -h.rate * value(pull)
+    k, rate = lift(felt), -h.rate * value(felt)
     if stage is not None:
         x, z = x + mxx * stage.ahead_x + mxz * stage.ahead_z, z + mzx * stage.ahead_x + mzz * stage.ahead_z
     x, z = h.slides * x, h.slides * z
@@ -125,9 +126,10 @@ def outward_normal(tangent, i, ankle):
 
 @inlined_fast
 def lead(tangent, i, motion, nx, nz, h, turning_speed, within, h0, stage):
-    """How far plate i leads, for gates: n.v over the speeds along the normal within it, or n.h over `EDGE`.
+    """How far plate i leads, for gates: n.v over its smoothing width, or n.h over `EDGE`.
 
-    These speeds differ as the plate turns and is bent.
+    The width is the range of speeds along the normal within a plate that rotates and is bent. The plate leads
+    as a whole from 1 on, and trails from -1 on.
     """
     if tangent is None:
         return dual(stage, 0.0, 0.0, 0.0)
@@ -162,11 +164,11 @@ def plate_force(law, acting, part, i, ankle, turning_speed, stage, h0):
     nx, nz = outward_normal(part.tangent, i, ankle)
     vn = dual(stage, motion.vx * nx + motion.vz * nz, nx, nz)
     leads = lead(part.tangent, i, motion, nx, nz, h, turning_speed, within, h0, stage)
-    pull = area * effects.load(acting.loads, depth, x) * effects.gate(acting.gates, leads, depth)
+    felt = area * effects.load(acting.loads, depth, x) * effects.gate(acting.gates, leads, depth)
 
     cos2, sin2 = ankle.cos * ankle.cos - ankle.sin * ankle.sin, 2.0 * ankle.sin * ankle.cos
     c, s = part.c2[i] * cos2 - part.s2[i] * sin2, part.s2[i] * cos2 + part.c2[i] * sin2
-    fx, fz = resistance(law, c, s, h, pull, stage)
+    fx, fz = resistance(law, c, s, h, felt, stage)
     if acting.pushes is not None:  # without one nothing is to be computed that could be NaN
         push = area * effects.push(acting.pushes, vn, depth)
         fx, fz = fx - push * nx, fz - push * nz
@@ -195,8 +197,8 @@ def foot_force(law, acting, part, ankle, turning_speed, stage, h0):
 
 @inlined
 def part_force(world, acting, sole, first, last, ankle, turning_speed, stage, h0):
-    """`foot_force` of the plates first..last of a sole, without the gates where they are shut."""
-    if world.shut:
+    """`foot_force` of the plates first..last of a sole, without the gates where they are bypassed."""
+    if world.bypass:
         part = plates_between(sole, acting.pushes, first, last)
         laws = Laws(acting.loads, None, acting.pushes)
         return foot_force(world.law, laws, part, ankle, turning_speed, stage, h0)

@@ -47,10 +47,10 @@ def world(scene: Scene, accuracy: Accuracy) -> World:
 
 
 def compiled_once(world: World) -> World:
-    """A world without gates as one that has them shut: one compiled walk for every plausible law."""
+    """A world without gates as one that bypasses them: one compiled walk for every plausible law."""
     if world.effects.gates is not None:
         return world
-    return world._replace(effects=world.effects._replace(gates=effects.plausible_gates()), shut=True)
+    return world._replace(effects=world.effects._replace(gates=effects.plausible_gates()), bypass=True)
 
 
 def time_grid(scene: Scene, accuracy: Accuracy) -> Array:

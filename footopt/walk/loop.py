@@ -45,7 +45,7 @@ class Course(NamedTuple):
     times: Array  # (steps + 1,), s, the first is 0
     start: Array  # (2, 7): both feet at t = 0
     poses: Any  # a table for whole steps, (steps, nodes, 2, 7), then for halves, quarters, ... of them
-    finest: int  # which of these tables is the last that is used
+    finest: int  # how often a step may be halved: the last of these tables that is used
     control: float  # m/s, the largest `step_error`; infinite for steps that are never shortened
     strike: float  # s, the first heel strike
     sink: bool  # whether to follow the maximum sinkage
@@ -69,7 +69,7 @@ def walk_designs(method, soles, world, course, out, begin, end):
 
     A stage that Newton's method does not solve (`newton.solve_stage`) leaves the step unsolved, which is then
     halved as long as it can be, as one with too large an error is. Then the walk has diverged, and
-    `simulate` repeats it with a quarter of the time step, three times at most.
+    `batch.walk_batch` repeats it with a quarter of the time step, three times at most.
     """
     times, control, poses = course.times, course.control, course.poses
     steps, finest = len(times) - 1, course.finest
@@ -82,7 +82,7 @@ def walk_designs(method, soles, world, course, out, begin, end):
         if state.solved:
             _trace(out, 0, 0.0, state)
         n = place = 0  # the step n is walked up to place / 2^finest of it
-        level = finest  # it begins to sink: the first steps would be shortened as far
+        level = finest  # the shortest step first: sinking in needs it
         while status == OK and n < steps:
             stride = 1 << (finest - level)
             h = (times[n + 1] - times[n]) / (1 << level)

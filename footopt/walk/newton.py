@@ -28,7 +28,7 @@ from footopt.walk.turning import (
 MAX_NEWTON = 100  # contact evaluations of one implicit stage
 PATIENCE = 8  # of them ahead of h without a smaller residual, before Newton's method goes on from the best
 HALVINGS = 16  # the same, of steps in w
-NEAR = 0.1  # |w_x - h_x| + |w_z - h_z| of both feet, within which no foot has turned over
+NEAR = 0.1  # |w_x - h_x| + |w_z - h_z| of both feet, within which no foot's direction of motion has reversed
 GATE_STEP = 2.0  # largest last step of Newton's method over the creep speed, where an effect has a gate
 
 #: Steps of Newton's method: with w = h; with w ahead of h; in w; with back-tracking.
@@ -92,7 +92,7 @@ def solve_stage(world, sole, poses, start, c, vx, vz, bristles, turning, counts)
     """
     inv, h0 = c / world.mass, _h0(bristles)
     turning_speed = _turning_speed(world.bristle_length, world.creep, c)
-    gated = world.effects.gates is not None and not world.shut
+    gated = world.effects.gates is not None and not world.bypass
     w, mode, idle, foot, step = turning, PLAIN, 0, Foot(0.0, 0.0, 0.0), Step(0.0, 0.0, 0.0, 0.0)
     if w.on:
         hip = Motion(start.x + c * vx, start.z + c * vz, vx, vz)
@@ -220,7 +220,7 @@ def converged(world, now, at, turning_speed):
             _speed(left, force), _speed(right, force)
         )
     enough = world.tolerance * speed
-    if not world.shut:
+    if not world.bypass:
         enough = _smooth_step(enough, turning_speed, world.effects.gates)
     return size <= rounding or (force > 0.0 and size <= enough + rounding)
 

@@ -14,8 +14,8 @@ SLOW = 1e-9  # m/s: a turning speed that changes no force of plates that move at
 def static_height(world, sole, poses, h0):
     """Hip height (m) at which the limit forces of downward motion on both feet carry the weight.
 
-    Vertical balance only: eq. 2 with h = (0, -1) on every plate. Pressures of effects are left out: they
-    depend on the speed, and a walker that stands has none. NaN if even at the surface the forces do not carry
+    Vertical balance only: eq. 2 with h = (0, -1) on every plate. The pressures (pushes) of effects are
+    left out, even one that would not vanish at rest. NaN if even at the surface the forces do not carry
     the weight. Found by the Illinois method, which takes a tenth of the evaluations of bisection.
 
     h0: bristles that are bent straight down, or None.

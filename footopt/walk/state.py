@@ -32,7 +32,7 @@ class World(NamedTuple):
     bristle_length: float | None  # over which a plate's bristles bend, m; None without them
     tolerance: float  # of Newton's method: last step over the plates' mean speed
     effects: Laws
-    shut: bool = False  # whether the gates of `effects` are compiled, and let all of the stress through
+    bypass: bool = False  # whether the gates of `effects` are compiled and not applied
 
 
 class Tangent(NamedTuple):
@@ -46,14 +46,14 @@ class Tangent(NamedTuple):
 class Sole(NamedTuple):
     """One design's plates, relative to the ankle (`foot.Plates`); of a batch, each with an axis more.
 
-    Plates are filled up to whole blocks of `LANES` by plates without area in the place of the last one. Two
+    Plates are filled up to whole blocks of `LANES` by copies of the last plate without area. Two
     tables, not a dozen of arrays: every function that takes them is compiled in half of the time.
     """
 
     plates: Array  # (rows, padded plates): the arrays of `Part`, with those of the tangent if it has one
     blocks: Array  # (4, blocks): middle of a rectangle around each block, half its length and height, m
     reach: Any  # the sole's largest distance from the ankle, m
-    span: Any  # length along the sole for which a plate stands, m; 0 for chords
+    span: Any  # length along the contour that a plate represents, m; 0 for chords
     directed: bool | None  # None where no effect needs the plates' normals
 
 

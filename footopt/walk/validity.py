@@ -33,8 +33,10 @@ WHY = {
     "sinking while standing": "the smoothed law lets a walker that stands sink; effects=rest holds it",
     "power that the sand gives":
         "such a sand pushes plates along, and a walk's end may hang on the accuracy; see sand.coefficients",
+    "length of the sole over the leg's": "lengths are in m, and foot.L is half of the sole's",
+    "length of the leg over the sole's": "lengths are in m, those of thigh and shank, too",
 }  # fmt: skip
-RARE = ("sinking while standing", "power that the sand gives")  # told only where they are beyond their limit
+RARE = tuple(WHY)[5:]  # told only where they are beyond their limit
 
 
 @dataclass(frozen=True)
@@ -95,6 +97,8 @@ def diagnose(walk: Walk) -> list[Diagnostic]:
     counted = [effect for effect in walk.scene.effects if effect.is_inertia]
     pushes = laws(counted or [kind() for kind in EFFECTS.values() if kind.is_inertia]).pushes
     inertia = lasts * effects.push(pushes, vn, depth) * states.area
+    walker = getattr(walk.scene, "walker", None)  # of a robot no leg is known
+    slender = float(np.ptp(walk.foot.contour[:, 0])) / (walker.l1 + walker.l2) if walker else math.nan
     total_force, total_power = max(size.sum(), 1e-300), max(power.sum(), 1e-300)
     trailing, sinks = power[vn < 0].sum(), 0.0 if walk.scene.holds else creep_while_standing(walk)
     rows = (  # the value, its unit, and its limit
@@ -105,6 +109,8 @@ def diagnose(walk: Walk) -> list[Diagnostic]:
         (float(trailing / total_power), "", 0.2),
         (sinks, "m", 1e-3),
         (-walk.scene.sand.stress_map.dissipation(), "N/cm^3", 0.0),  # no error bound holds beyond it
+        (slender, "", 0.8),  # from 0.1 to 0.5 of animals and robots
+        (1.0 / slender, "", 20.0),
     )
     found = [Diagnostic(name, *row, why) for (name, why), row in zip(WHY.items(), rows, strict=True)]
     return [d for d in found if d.outside or d.name not in RARE]

@@ -64,7 +64,7 @@ def _resolve(method, world, sole, poses, state, h, counts):
 
 @inlined
 def acceleration(world, at):
-    """Of the hip, from a contact: a_x, a_z in m/s^2 (the paper's eq. 5)."""
+    """The hip's acceleration (a_x, a_z), m/s^2, by the contact forces and gravity: the paper's eq. 5."""
     ax = (at.left.x + at.right.x) / world.mass + world.tilt
     return ax, (at.left.z + at.right.z) / world.mass - world.g
 
