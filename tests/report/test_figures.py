@@ -9,7 +9,7 @@ import pytest
 import footopt as fo
 from footopt.report import figures
 from footopt.report.numbers import percent
-from footopt.report.summary import Run, fronts
+from footopt.report.summary import Row, fronts
 from footopt.walk.objectives import FIVE
 
 HOLLOW = (5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4)
@@ -221,7 +221,7 @@ def test_fronts_of_seeds_share_a_colour_and_say_their_hypervolume(tmp_path):
         for front in values.values()
     ]
     settings = [{"solver.name": name, "solver.seed": seed} for name, seed in values]
-    runs = [Run(tmp_path, settings=s, result=r) for s, r in zip(settings, results, strict=True)]
+    runs = [Row(tmp_path, settings=s, result=r) for s, r in zip(settings, results, strict=True)]
     ((rows, shares, figure),) = fronts(runs)
     assert (rows, shares[:2]) == ([0, 1, 2], [1.0, 1.0])
     points = figure.axes[0].get_lines()[0]
