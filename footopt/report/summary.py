@@ -145,18 +145,37 @@ def compare(folder: Path, folders: Sequence[Path]) -> int:
 
 
 def _print_table(folder: Path, runs: Sequence[Row], labels: Sequence[str]) -> None:
-    """Print a row for each run with as many objectives as fit, none of them cut."""
-    out, units = console(), {name: unit for run in runs for name, unit in run.result.get("units", {}).items()}
-    titles = [f"{name.replace('_', ' ')} ({unit})".removesuffix(" ()") for name, unit in units.items()]
+    """Print a row for each run with as many objectives as fit, those that were sought first; and the best."""
+    out, done = console(), [run for run in runs if run.objectives]
+    units = {name: unit for run in done for name, unit in run.result.get("units", {}).items()}
+    sought = dict.fromkeys(name for run in done for name in run.result.get("objective_names", []))
+    names = [name for name in dict.fromkeys((*sought, *units)) if name in units]
+    titles = [f"{name.replace('_', ' ')} ({units[name]})".removesuffix(" ()") for name in names]
+    values = [[run.objectives.get(name, math.nan) for name in names] for run in runs]
+    if "efficiency" in names and (flat := [of_flat(run) for run in runs]) and np.isfinite(flat).any():
+        at = names.index("efficiency")
+        titles[at] = "J_W x flat"
+        for row, share in zip(values, flat, strict=True):
+            row[at] = share
     fit = max((out.width - ROOM) // COLUMN, 1)
     shown = table(("run and settings", *titles[:fit], "hollow (mm)"), words=("run and settings",))
-    for label, run in zip(labels, runs, strict=True):
-        hollow = run.result.get("design", {}).get("hollow_mm", math.nan)
-        values = [run.objectives.get(name, math.nan) for name in [*units][:fit]]
-        shown.add_row(label, *map(number, [*values, hollow]))
+    for label, run, row in zip(labels, runs, values, strict=True):
+        shown.add_row(
+            label, *map(number, [*row[:fit], run.result.get("design", {}).get("hollow_mm", math.nan)])
+        )
     out.print(shown)
+    if len(done) > 1 and len(sought) == 1 and np.isfinite([row[0] for row in values]).any():
+        most = titles[0] == "J_W x flat" or done[0].result["maximise"][names[0]]
+        best = int(np.nanargmax([row[0] if most else -row[0] for row in values]))
+        out.print(f"Best {titles[0]}: {number(values[best][0])}, {labels[best]}", soft_wrap=True)
     if left := titles[fit:]:
         out.print(f"In {folder / 'summary.csv'}, too: {', '.join(left)}", soft_wrap=True)
+
+
+def of_flat(run: Row) -> float:
+    """J_W of a run's foot over that of the flat foot; NaN where it is not known."""
+    flat = (run.result.get("flat") or {}).get("efficiency") or math.nan
+    return float(run.objectives.get("efficiency", math.nan) / flat)
 
 
 def fronts(runs: Sequence[Row]) -> list[tuple[list[int], list[float], Figure]]:
@@ -169,7 +188,8 @@ def fronts(runs: Sequence[Row]) -> list[tuple[list[int], list[float], Figure]]:
         if run.result.get("front_values"):
             problem = [item for item in run.settings.items() if not item[0].startswith(OUTSIDE_PROBLEM)]
             groups.setdefault(str((run.result["objective_names"], problem)), []).append(i)
-    own = varied(runs).drop(columns=SEED, errors="ignore").to_numpy().tolist()
+    seedless = [[word for word in run.overrides if not word.startswith(SEED)] for run in runs]
+    own = [[word for word in words if any(word not in others for others in seedless)] for words in seedless]
     found = []
     for rows in groups.values():
         results = [runs[i].result for i in rows]
@@ -177,7 +197,7 @@ def fronts(runs: Sequence[Row]) -> list[tuple[list[int], list[float], Figure]]:
         frames = [pandas.DataFrame(r["front_values"], columns=r["front_columns"])[names] for r in results]
         signs = [-1 if most[name] else 1 for name in names]
         shares = hypervolume_shares([frame.to_numpy(float) * signs for frame in frames])
-        labels = pandas.Series([" ".join(filter(None, own[i])) or runs[i].folder.name for i in rows])
+        labels = pandas.Series([" ".join(own[i]) or runs[i].folder.name for i in rows])
         drawn = {}
         for label, ours in labels.groupby(labels, sort=False).groups.items():
             seeds = f"{len(ours)} seeds, " if len(ours) > 1 else ""
@@ -210,9 +230,9 @@ def runs_content(
     shared = [name for name in first["objectives"] if all(name in r["objectives"] for r in results)]
     values = np.array([[runs[i].objectives[name] for name in shared] for i in done], float)
     columns = [column(name, first["units"][name], first["maximise"][name]) for name in shared]
-    flat = np.array([(result.get("flat") or {}).get("efficiency", np.nan) for result in results], float)
+    flat = np.array([of_flat(runs[i]) for i in done], float)
     if "efficiency" in shared and np.isfinite(flat).all():
-        values[:, shared.index("efficiency")] /= flat
+        values[:, shared.index("efficiency")] = flat
         columns[shared.index("efficiency")] |= {"title": "J_W", "unit": "x of flat", "maximise": True}
     return {
         "title": f"{len(runs)} runs",

@@ -221,9 +221,12 @@ def test_fronts_of_seeds_share_a_colour_and_say_their_hypervolume(tmp_path):
         for front in values.values()
     ]
     settings = [{"solver.name": name, "solver.seed": seed} for name, seed in values]
-    runs = [Row(tmp_path, settings=s, result=r) for s, r in zip(settings, results, strict=True)]
+    words = [(f"solver={name}", f"solver.seed={seed}") for name, seed in values]
+    runs = [Row(tmp_path, *row) for row in zip(words, settings, results, strict=True)]
     ((rows, shares, figure),) = fronts(runs)
     assert (rows, shares[:2]) == ([0, 1, 2], [1.0, 1.0])
     points = figure.axes[0].get_lines()[0]
     np.testing.assert_array_equal(points.get_xydata(), least * 2)
-    assert {"ga: 2 seeds, hypervolume 100 %", f"de: hypervolume {percent(shares[2])}"} <= set(texts(figure))
+    assert {"solver=ga: 2 seeds, hypervolume 100 %", f"solver=de: hypervolume {percent(shares[2])}"} <= set(
+        texts(figure)
+    )
