@@ -142,8 +142,11 @@ class FootProblem(Problem):
         return self.space.inside(k)
 
     def _evaluate(self, x: Any, out: dict[str, Any], *args: Any, **kwargs: Any) -> None:
-        found = self.evaluate_designs(whole(x, self))
+        k = whole(x, self)
+        found = self.evaluate_designs(k)
         out.update(found._asdict(), F=self.minimised(found.values), G=self.constraints(*found))
+        if np.ndim(x) == 2:  # a population holds the soles that have walked; mixed variables are dicts
+            out["X"] = k
 
     def evaluate_designs(self, k: Any) -> Evaluated:
         """Walk with designs, (designs, n) heights; `SettingError` names a height that cannot be."""
