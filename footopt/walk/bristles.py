@@ -28,7 +28,7 @@ class Bristles(NamedTuple):
     h_next: Array  # at its end
 
 
-class Stage(NamedTuple):
+class StageBristles(NamedTuple):
     """The bristles that an implicit stage bends."""
 
     before: Array
@@ -54,15 +54,15 @@ def beginning(bristles):
 @unless_none
 def whole_step(bristles):
     """An implicit stage that is the whole step."""
-    return Stage(bristles.h_n, bristles.h_next, 1.0)
+    return StageBristles(bristles.h_n, bristles.h_next, 1.0)
 
 
 @unless_none
 def stage_of(bristles, i, share):
     """Stage i of two: the second begins on the first one's slope, a share of its way from the beginning."""
     if i == 0:
-        return Stage(bristles.h_n, bristles.h_stage, share)
-    return Stage(bristles.h_stage, bristles.h_next, 1.0)
+        return StageBristles(bristles.h_n, bristles.h_stage, share)
+    return StageBristles(bristles.h_stage, bristles.h_next, 1.0)
 
 
 @unless_none

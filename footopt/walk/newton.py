@@ -79,7 +79,7 @@ def solve_stage(world, sole, poses, start, c, vx, vz, bristles, turning, counts)
         The stage's coefficient times the time step.
     vx, vz : float, m/s
         The guess.
-    bristles : bristles.Stage or None
+    bristles : bristles.StageBristles or None
         Those that the stage bends.
     turning : Turning
         Of the stage before.
