@@ -1,7 +1,5 @@
 """Paths and groups that Hydra composes settings of, and the settings of a run as plain data."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from pathlib import Path

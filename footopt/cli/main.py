@@ -1,7 +1,5 @@
 """The command `footopt`: Hydra composes the settings, a study is run with them, errors become one message."""
 
-from __future__ import annotations
-
 import itertools
 import logging
 import math

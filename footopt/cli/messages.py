@@ -1,7 +1,5 @@
 """Errors of Hydra and OmegaConf in footopt's terms: the setting, its value, what is allowed, what to try."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from difflib import get_close_matches
 

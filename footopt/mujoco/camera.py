@@ -1,7 +1,5 @@
 """Pictures of a robot by MuJoCo's renderer, where EGL or OSMesa makes a context for it."""
 
-from __future__ import annotations
-
 import copy
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress

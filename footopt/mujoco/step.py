@@ -4,8 +4,6 @@ MuJoCo's Euler and implicit steps move places by the new velocity, which is the 
 to the middle of steps, and to places half a step back. RK4's belong to the same time.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

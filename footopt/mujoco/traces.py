@@ -1,7 +1,5 @@
 """The walk of a robot with its traces, as pictures and pages take it."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from typing import Any

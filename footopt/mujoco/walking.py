@@ -1,7 +1,5 @@
 """One walk of a robot in MuJoCo: where it starts, its steps, and what they come to."""
 
-from __future__ import annotations
-
 import ctypes
 import math
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """`Output`: what a run prints, and what it leaves in its folder: result.json, figures, tables, a page."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager

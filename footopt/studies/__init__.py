@@ -1,7 +1,5 @@
 """The studies, a question each: their own settings, which others each reads, and all groups' choices."""
 
-from __future__ import annotations
-
 import textwrap
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, field, fields, is_dataclass

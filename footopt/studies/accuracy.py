@@ -4,8 +4,6 @@ A few soles climb each stepper's ladder to the tolerance of `fine` (`footopt.wal
 walk on all of its rungs: their errors are measured against converged walks, their cost on one thread.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import asdict, replace
 from typing import Any, NamedTuple

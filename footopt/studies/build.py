@@ -1,7 +1,5 @@
 """The library's objects from the settings, which are checked before: what has no effect is refused."""
 
-from __future__ import annotations
-
 import math
 import os
 import sys

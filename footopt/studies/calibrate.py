@@ -7,8 +7,6 @@ the interval of its own least squares. Shallow tests and each set-up are fitted 
 holds, they have the zeta of all.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import asdict
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What did my runs find? Earlier runs side by side, wherever they are."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

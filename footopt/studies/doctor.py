@@ -1,7 +1,5 @@
 """Is the installation sound? Versions, processor, cache folder, and a walk whose numbers are published."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from footopt.compiled import cache_folder, target

@@ -1,7 +1,5 @@
 """study=effects: the changes that each effect makes in a scene, and its cost; `effects=auto` follows them."""
 
-from __future__ import annotations
-
 import os
 import statistics
 import time

@@ -1,7 +1,5 @@
 """How do I make this foot? The foot of a run that is over, as files for a workshop."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Which foot should I print? Search the design space, and leave the best foot in every form."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import asdict, replace
 from typing import Any

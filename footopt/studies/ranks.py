@@ -3,8 +3,6 @@
 The other laws are those with and without the leading edge and shadowing, and zeta by its spread up and down.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple

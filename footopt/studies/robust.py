@@ -5,8 +5,6 @@ designs, and all feet are then evaluated in all scenarios. The robust foot minim
 the relative loss against the best specialist known in a scenario.
 """
 
-from __future__ import annotations
-
 from concurrent.futures import Executor
 from dataclasses import asdict, replace
 from typing import Any, NamedTuple

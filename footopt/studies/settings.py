@@ -4,8 +4,6 @@ A default of the library is taken from there. The YAML files of conf/ only name 
 `build` makes the library's objects of the settings, `footopt.cli` composes them.
 """
 
-from __future__ import annotations
-
 import inspect
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping

@@ -1,7 +1,5 @@
 """How does this foot walk? One sole through one scene, with traces, figures and files."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path

@@ -4,8 +4,6 @@ The judge is physics, not looks: energy is accounted for, the sand gives none be
 walker that stands still stays, and a refined walk says what the right answer is.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """The hard cases of study=stability: how each differs from the settings."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace

@@ -1,7 +1,5 @@
 """study=transfer: feet designed on the planar walker and on a robot, each walked on both."""
 
-from __future__ import annotations
-
 from concurrent.futures import Executor
 from dataclasses import asdict, dataclass, replace
 from typing import Any

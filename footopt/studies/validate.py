@@ -1,7 +1,5 @@
 """study=validate: experiments by other people, repeated without tuning: error, uncertainty, verdict."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """The paper's study from nothing: search the feet, draw the figures, measure and judge the claims."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from math import isfinite, nan
 from typing import Any

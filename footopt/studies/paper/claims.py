@@ -4,8 +4,6 @@ claims.toml has the words of each claim: what its measure computes, and in which
 walk that it needs failed.
 """
 
-from __future__ import annotations
-
 import tomllib
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping

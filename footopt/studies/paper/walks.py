@@ -1,7 +1,5 @@
 """The choices that the paper leaves open, and the walks of its feet for one set of them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from math import nan

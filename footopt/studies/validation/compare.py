@@ -5,8 +5,6 @@ ones. u_num is the change under refinement, u_input the root sum of squares of h
 input goes from its low to its high value.
 """
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The model error of a walk: the error that validation found for the nearest quantity, and that of zeta."""
 
-from __future__ import annotations
-
 import json
 import math
 from functools import cache

@@ -4,8 +4,6 @@ Every rig takes an experiment's set-up, its inputs and a scene with its sand and
 prediction of each quantity at M points or at all of them, in SI units. Plates and law are those of the walk.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cache
