@@ -198,9 +198,9 @@ def _describe_ladder(problem: FootProblem) -> list[str]:
     if isinstance(accuracy := problem.accuracy, Accuracy):
         return []
     numbers, found = ladder(accuracy, problem.scene, problem.space)
-    walks = found.price / found.work
-    if not math.isfinite(walks):
+    if not found.work > 0.0:  # no sole has walked
         return []
+    walks = found.price / found.work
     with_them = (
         f"{numbers.plates} plates and steps of {1e3 * numbers.dt:.3g} ms at most, found in the time of "
         f"{walks:.0f} walks"
