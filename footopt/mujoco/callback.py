@@ -26,7 +26,7 @@ MOST = 256  # models on sand at once in one process
 #: Models that are attached: addresses of its MjData, of its `Contact.addresses`, of its compiled step and of
 #: its first foot's name, which is never freed, and micrometres from its origin to its farthest face.
 ATTACHED = np.zeros((MOST, 5), np.int64)
-#: What is said of a foot that falls through the sand, and of sand that has lost its bristles.
+#: Messages for a foot that falls through the sand, and for bristles that begin anew after a jump in time.
 LOST = ctypes.create_string_buffer(b"footopt: a foot fell through: this MjData has no sand; attach it, too")
 FORGOT = ctypes.create_string_buffer(b"footopt: time or time step jumped: sand about the feet began anew")
 

@@ -4,20 +4,23 @@ import copy
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from importlib import import_module
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 WIDE, ASIDE = 800, 90.0  # pixels; degrees: along y, with x to the right
 
 
-@contextmanager
-def camera(robot: Any, states: Any) -> Iterator[Callable[..., Any] | None]:
-    """A function from a state, and left, right, low and high of a view, m, to an image; None without GL.
+class Camera(NamedTuple):
+    """Pictures of a robot: nothing is behind it, nor its feet, in whose place soles are drawn."""
 
-    There is nothing behind the robot, and nothing of its feet, in whose place soles are drawn. The function's
-    `top` is how high the robot is at the start, m.
-    """
+    picture: Callable[..., Any]  # from a sample, and left, right, low and high of a view, m, to an image
+    top: float  # of the robot at the start, m
+
+
+@contextmanager
+def camera(robot: Any, states: Any) -> Iterator[Camera | None]:
+    """A `Camera` for the states of a robot's walk; None without GL."""
     import mujoco
 
     gl: Any = None
@@ -55,8 +58,8 @@ def camera(robot: Any, states: Any) -> Iterator[Callable[..., Any] | None]:
 
     try:
         place(0)
-        picture.top = np.delete(data.geom_xpos[:, 2] + model.geom_rbound, bare).max(initial=0.0)  # type: ignore
-        yield picture
+        top = np.delete(data.geom_xpos[:, 2] + model.geom_rbound, bare).max(initial=0.0)
+        yield Camera(picture, float(top))
     finally:
         context.free()
         gl.free()

@@ -218,7 +218,7 @@ class Robot(Simulator):
     def need_heel_strike(self) -> None:
         """Raise unless its feet's axes are a sole's, and it gets through its first steps in the air.
 
-        What fails later is the sand's.
+        A later failure is then caused by the sand.
         """
         check_axes(self)
         dt, upright = self.model.compiled.opt.timestep, replace(self, lowest=1e-9, tilt=math.pi)

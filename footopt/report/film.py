@@ -88,8 +88,8 @@ def animate(walk: Walk, path: str | Path, fps: int = 25, speed: float = 0.5, dpi
     check(len(at) <= FRAMES or kind is not PillowWriter, "speed", speed, most, hint)
     writer = kind(rate)
     try:
-        with walk.camera() as picture, write_whole(path) as new:
-            figure, show = scene_of(walk, at, speed, picture)
+        with walk.camera() as camera, write_whole(path) as new:
+            figure, show = scene_of(walk, at, speed, camera)
             with writer.saving(figure, str(new), dpi):
                 for i in range(len(at)):
                     show(i)
@@ -112,17 +112,15 @@ def times(walk: Walk, fps: float, speed: float) -> Array:
     return np.asarray(np.minimum(begin + np.arange(frames + 1) * speed / fps, end))
 
 
-def scene_of(
-    walk: Walk, t: Array, speed: float, picture: Callable[..., Any] | None = None
-) -> tuple[Any, Callable[[int], None]]:
+def scene_of(walk: Walk, t: Array, speed: float, camera: Any = None) -> tuple[Any, Callable[[int], None]]:
     """A figure, and a function that moves the walker in it to the i-th of some times, s.
 
-    Above is the walker, in a picture of a `Walk.camera` if there is one, with the whole force on each foot,
+    Above is the walker, in pictures of a `Walk.camera` if there is one, with the whole force on each foot,
     below its feet, close, with the forces along them.
     """
     stage = Stage(walk, t)
     left, right, low, high = stage.limits
-    high = max(high, 1.05 * getattr(picture, "top", 0.0))
+    high = max(high, 1.05 * camera.top) if camera else high
     wide = min(right - left, WIDEST * (high - low))
     deep = min(float(stage.body.sole[..., 1].min()), 0.0) - 1.1 * LONGEST
     largest = max(float(np.linalg.norm(stage.forces.force, axis=-1).max()), 1e-9)
@@ -140,10 +138,10 @@ def scene_of(
             axes.set(xlim=(x - 0.5 * span, x + 0.5 * span), ylim=z, aspect="equal", ylabel="$z$ (m)")
             draw_ground(axes, stage.ground)
         whole.plot(*walk.com.T, color="black", lw=0.6, ls=":")
-        if picture is not None:
+        if camera:
             view = *whole.get_xlim(), *whole.get_ylim()
-            whole.imshow(picture(int(stage.index[i]), *view), extent=view, aspect="equal", zorder=1.5)
-        arrows = stage.draw_feet(whole, i, stage.scale, legs=picture is None)
+            whole.imshow(camera.picture(int(stage.index[i]), *view), extent=view, aspect="equal", zorder=1.5)
+        arrows = stage.draw_feet(whole, i, stage.scale, legs=not camera)
         draw_key(whole, arrows, stage.scale * ARROW * high)
         draw_key(near, stage.draw_feet(near, i, largest / LONGEST, close=True), 0.8 * largest)
         for foot, (side, _) in enumerate(sides(walk)):

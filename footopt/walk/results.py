@@ -268,10 +268,7 @@ class Walk:
         return self.world.gait.pose(self.t[np.asarray(index)], self.world.walker.l1, self.world.walker.l2)
 
     def camera(self) -> AbstractContextManager[Any]:
-        """A context with a function that takes pictures of what walks, None where there is none.
-
-        From a sample, and left, right, low and high of a view, m, to an image with nothing behind.
-        """
+        """A context with a `footopt.mujoco.camera.Camera` of what walks, None where there is none."""
         return nullcontext()
 
     def legs(self, t: ArrayLike) -> Array:

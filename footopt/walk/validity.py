@@ -22,7 +22,7 @@ Ints = NDArray[np.int64]
 
 SAMPLES = 600  # instants of the walk that are looked at
 
-#: What is looked at, and why a value above its limit is doubtful.
+#: Names of the diagnostics, and why a value above the limit is doubtful.
 WHY = {
     "depth of the sole": "RFT's growth with depth is tested to about one plate width",
     "depth of the ankle": "only the sole feels the sand, not the leg",

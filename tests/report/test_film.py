@@ -61,26 +61,35 @@ def test_a_frame_shows_legs_soles_force_and_time(walk):
     assert len(axes.get_children()) == count  # what was drawn before is gone
 
 
-@pytest.mark.slow
-def test_a_robot_is_filmed_by_mujocos_renderer_where_there_is_one(tmp_path, monkeypatch):
-    """Its torso is in the picture where it is in the world, and without GL the film is as the walker's."""
+@pytest.fixture(scope="module")
+def robot_walk():
     pytest.importorskip("mujoco")
     robot = fo.mujoco.Robot(duration=0.6, after=0.0)
-    walk = fo.simulate(fo.Foot.flat(), robot, fo.Accuracy(dt=2e-3, plates=16))
-    with walk.camera() as picture:
-        if picture is None:
-            pytest.skip("neither EGL nor OSMesa")
-        x, z = walk.joints[-1, 0, 0]  # the hip
-        image = picture(-1, x - 1.0, x + 1.0, z - 1.0, z + 1.0)
+    return fo.simulate(fo.Foot.flat(), robot, fo.Accuracy(dt=2e-3, plates=16))
+
+
+@pytest.mark.slow
+def test_a_robot_is_filmed_by_mujocos_renderer_where_there_is_one(robot_walk, tmp_path):
+    """Its torso is in the picture where it is in the world."""
+    with robot_walk.camera() as camera:
+        if camera is None:
+            pytest.skip("neither EGL nor OSMesa: a machine without OpenGL")
+        x, z = robot_walk.joints[-1, 0, 0]  # the hip
+        image = camera.picture(-1, x - 1.0, x + 1.0, z - 1.0, z + 1.0)
     high, wide = image.shape[:2]
     seen = image[..., 3] > 0
     assert seen[int(0.35 * high), wide // 2]  # 0.3 m above the hip
     assert not seen[:, : wide // 4].any()
     assert not seen[int(0.99 * high) :].any()  # below are its feet, which soles replace
+    fo.animate(robot_walk, tmp_path / "walk.gif", fps=5, speed=1.0, dpi=40)
+
+
+@pytest.mark.slow
+def test_without_gl_a_robots_film_is_drawn_as_the_walkers(robot_walk, tmp_path, monkeypatch):
     monkeypatch.setattr("footopt.mujoco.camera.import_module", lambda name: None)
-    with walk.camera() as picture:
-        assert picture is None
-    fo.animate(walk, tmp_path / "walk.gif", fps=5, speed=1.0, dpi=40)
+    with robot_walk.camera() as camera:
+        assert camera is None
+    fo.animate(robot_walk, tmp_path / "walk.gif", fps=5, speed=1.0, dpi=40)
 
 
 def test_a_failed_walk_is_filmed_to_its_end_and_one_without_a_step_is_refused(tmp_path):
