@@ -15,12 +15,10 @@ from footopt.design import (
     SearchResult,
     Solver,
     confirm,
-    make_executor,
     search,
 )
 from footopt.design.certificate import Certificate, certified
 from footopt.design.fronts import excess
-from footopt.design.result import check_finalists
 from footopt.errors import SettingError
 from footopt.files import io as files
 from footopt.foot import Foot, Waypoints
@@ -29,7 +27,7 @@ from footopt.report.numbers import number, percent, quantity, title
 from footopt.report.output import foot_entry
 from footopt.report.progress import report_generations
 from footopt.studies import ranks
-from footopt.studies.build import check_searchable, make_problem
+from footopt.studies.build import make_problem
 from footopt.studies.effects import choose_effects
 from footopt.studies.runs import Study
 from footopt.studies.simulate import check_film, judged, write_film, write_walk
@@ -42,15 +40,10 @@ LEADERS = 4  # best soles of an enumerated space that are drawn in one frame
 def run(study: Study) -> Any:
     """Search, then walk with the best foot and leave everything about it; returns its values."""
     config, options = study.config, study.options
-    check_searchable(config.foot)
     check_film(study)
-    solver = Solver(**vars(config.solver))
+    solver = study.solver()
     scene, chosen = choose_effects(study)
     problem = make_problem(config, scene)
-    choice, solver = problem.choice, solver.fitting(problem.n_obj)
-    solver.build(problem.n_obj)  # what does not fit is refused before the search
-    solver.check_space(problem.space)
-    check_finalists(options.finalists)
     study.say(terminal.describe_setup(scene, problem.space))
     finer = study.finer_accuracy
     with study.compiling():
@@ -91,9 +84,9 @@ def run(study: Study) -> Any:
     write_film(study, walk)
 
     several = problem.n_obj > 1
-    by = choice.by if several else problem.ranking_objective
+    by = problem.choice.by if several else problem.ranking_objective
     by_j = by == "efficiency"
-    which = f"Of the front {FRONT_RULES[choice.by]}" if several else "Best foot"
+    which = f"Of the front {FRONT_RULES[problem.choice.by]}" if several else "Best foot"
     sought = "efficiency" if by_j or several else by
     under = ranks.by_objective(changes)
     study.say(f"{which} for {terminal.describe_scene(scene)}: {terminal.describe_foot(best)}")
@@ -122,7 +115,7 @@ def run(study: Study) -> Any:
     study.close()
     if result.interrupted:
         done, every = len(result.history), solver.generations(problem.space)
-        raise KeyboardInterrupt(f"after {_unit(solver)} {done} of {every}, with a full report")
+        raise KeyboardInterrupt(f"after {solver.unit} {done} of {every}, with a full report")
     return values
 
 
@@ -157,20 +150,12 @@ def _warnings(
     return said
 
 
-def _unit(solver: Solver) -> str:
-    """The unit of progress: the designs that a solver proposes at once."""
-    return "batch" if solver.name == EXHAUSTIVE else "generation"
-
-
 def _search(
     study: Study, problem: FootProblem, solver: Solver, base: float
 ) -> tuple[SearchResult, Confirmation, Certificate | None]:
     """Search where `engine` says, keep every walk in the run's store, and confirm what was found."""
-    e, space = study.config.engine, problem.space
-    with (
-        make_executor(e.name, e.workers, e.address, e.timeout) as executor,
-        study.store(problem) as store,
-    ):
+    space = problem.space
+    with study.executor() as executor, study.store(problem) as store:
         study.say(
             f"Searching {space.K}^{space.n} soles for {', '.join(problem.names)} on "
             f"{terminal.describe_scene(problem.scene)} with {solver.name}"
@@ -178,7 +163,7 @@ def _search(
         study.say(*_describe_ladder(problem))
         if known := store.describe():
             study.say(known)
-        with study.progress(solver.generations(space), _unit(solver)) as step:
+        with study.progress(solver.generations(space), solver.unit) as step:
             first = problem.names[0]
             tell = report_generations(step, first, base=base if first == "efficiency" else None)
             start = _start(study.options.start, space)

@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.table import Table as RichTable
 
-from footopt.design import EXHAUSTIVE, FootProblem, SearchResult, Solver, confirm, make_executor, search
-from footopt.design.result import check_finalists
+from footopt.design import FootProblem, SearchResult, Solver, confirm, search
 from footopt.design.robust import RobustProblem, regret
 from footopt.design.scenarios import Scenario, Spread, draw, plausible_laws, sands
 from footopt.design.store import plain
@@ -54,25 +53,15 @@ class Comparison(NamedTuple):
 def run(study: Study) -> None:
     """Search the specialists and the robust foot, and report the losses of each."""
     config, options, finer = study.config, study.options, study.finer_accuracy
-    build.check_searchable(config.foot)
-    check_finalists(options.finalists)
-    scene: Any = study.simulator
+    solver, scene = study.solver(), study.simulator
     scenarios = make_scenarios(config, scene)
     problem = RobustProblem(
         scenarios, config.objective.names, study.space, study.accuracy, config.engine.threads,
         options.measure, options.tail, references=np.ones(len(scenarios)),
     )  # fmt: skip
-    solver = Solver(**vars(config.solver)).fitting(problem.n_obj)
-    solver.build(problem.n_obj)  # what does not fit is refused before anything is simulated
-    solver.check_space(problem.space)
-
     feet: Heights = {}
     units = solver.generations(problem.space) * 2 * len(scenarios)
-    unit, e = "batch" if solver.name == EXHAUSTIVE else "generation", config.engine
-    with (
-        make_executor(e.name, e.workers, e.address, e.timeout) as executor,
-        study.progress(units, unit) as step,
-    ):
+    with study.executor() as executor, study.progress(units, solver.unit) as step:
         for owner in scenarios:
             alone = FootProblem(
                 owner.scene, problem.names, owner.space(problem.space), problem.accuracy, problem.threads

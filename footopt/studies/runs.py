@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import shlex
 from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib.metadata import version
@@ -14,7 +16,8 @@ from typing import Any, cast
 from omegaconf import OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
-from footopt.design import FootProblem, SearchResult, Solver, Store, search
+from footopt.design import FootProblem, SearchResult, Solver, Store, make_executor, search
+from footopt.design.result import check_finalists
 from footopt.design.store import listed
 from footopt.effects import EFFECTS
 from footopt.errors import ERROR_FILE, FileError, FootoptError, SettingError, check
@@ -68,6 +71,21 @@ class Study(Output):
         """The accuracy that what a search found is walked again at: study.confirm, or the search's own."""
         confirm = self.options.confirm
         return confirming(confirm, self.accuracy) if confirm else self.accuracy
+
+    def solver(self) -> Solver:
+        """The solver of a search; raises a `SettingError`, before any walk, where it does not fit."""
+        build.check_searchable(self.config.foot)
+        check_finalists(self.options.finalists)
+        n_obj = len(self.config.objective.names)
+        solver = Solver(**vars(self.config.solver)).fitting(n_obj)
+        solver.build(n_obj)
+        solver.check_space(self.space)
+        return solver
+
+    def executor(self) -> AbstractContextManager[Executor | None]:
+        """What evaluates the designs of a search, by the settings of `engine`."""
+        e = self.config.engine
+        return make_executor(e.name, e.workers, e.address, e.timeout)
 
     def store(self, problem: FootProblem) -> Store:
         """Where designs are kept; a `FootoptError` if other code would replace a finished run's result."""
@@ -128,24 +146,9 @@ def run_study(
 ) -> Any:
     """Run the study that the settings name, in a folder where it leaves what it finds.
 
-    Parameters
-    ----------
-    config, settings
-        The settings, and the same as plain data: what the run is.
-    overrides : sequence of str
-        Settings from the command line.
-    resumed : bool
-        Whether it goes on with what is in the folder.
-
-    Returns
-    -------
-    dict or None
-        Values of the foot that the study is about, by name.
-
-    Raises
-    ------
-    SettingError, Occupied
-        The study does not go with the other settings, or the folder is that of another run.
+    `settings` are those of `config` as plain data: what the run is; `overrides` those of the command line. A
+    `resumed` run goes on with what is in the folder. Returns the values of the study's foot by
+    name; raises a `SettingError` if settings do not go together, `Occupied` if the folder is another's.
     """
     at_once(config.engine.threads)
     config = build.checked(config, overrides)

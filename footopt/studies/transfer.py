@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.table import Table
 
-from footopt.design import FootProblem, Solver, confirm, make_executor
+from footopt.design import FootProblem, Solver, confirm
 from footopt.design.robust import regret
 from footopt.errors import SettingError, check, check_whole
 from footopt.foot import Foot, Waypoints
@@ -17,7 +17,6 @@ from footopt.report.figures.studies import transfer as draw
 from footopt.report.numbers import number
 from footopt.report.progress import report_generations
 from footopt.sand import MEDIA, Sand
-from footopt.studies.build import check_searchable
 from footopt.studies.robust import searched
 from footopt.studies.runs import Study
 from footopt.walk import FIVE, MEASURES, Scene, Simulator, evaluate
@@ -60,23 +59,21 @@ class Comparison:
 def run(study: Study) -> None:
     """Design feet on both simulators on every sand, walk with each on both, and rank random soles."""
     config, options = study.config, study.options
-    check_searchable(config.foot)
     names = config.objective.names
     check(len(names) == 1, "objective", names, "one objective", "Such as objective=efficiency.")
     check_whole(options.soles, "study.soles", 2, 100_000)
     robot: Any = study.simulator
     if isinstance(robot, Scene):
         raise SettingError("simulator", WALKER, "a robot, to compare with the walker", "Try simulator=biped.")
-    solver = Solver(**vars(config.solver)).fitting(1)
-    solver.check_space(study.space)
+    solver = study.solver()
     k = study.space.random(options.soles, seed=study.config.solver.seed, inside=True)
-    planar, e, found = resolve("standard"), config.engine, []
+    planar, found = resolve("standard"), []
     for sand in map(named, options.sands):
         sides = (
             Side(WALKER, replace(study.scene, sand=sand), planar, confirming("finer", planar), options.walks),
             Side(ROBOT, replace(robot, sand=sand), study.accuracy, study.finer_accuracy, solver.walks),
         )
-        with make_executor(e.name, e.workers, e.address, e.timeout) as executor:
+        with study.executor() as executor:
             feet = {FLAT: Foot.flat(study.space)}
             for side in sides:
                 feet[side.name] = _designed(study, side, names[0], solver, executor)
@@ -122,7 +119,7 @@ def _designed(study: Study, side: Side, objective: str, solver: Solver, executor
     problem = FootProblem(side.simulator, objective, study.space, side.accuracy, study.config.engine.threads)
     asked = replace(solver, walks=side.walks)
     name = f"{problem.scene.title}, {side.name}"
-    with study.progress(asked.generations(study.space), "generation") as step:
+    with study.progress(asked.generations(study.space), asked.unit) as step:
         result = searched(study, problem, asked, name, executor, report_generations(step, objective))
     study.say(f"{name}: {terminal.describe_search(result)}")
     best = confirm(result, side.finer, study.options.finalists).designs[0]
