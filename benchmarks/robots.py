@@ -1,19 +1,21 @@
 """What a walk of the biped in MuJoCo costs: python benchmarks/robots.py [WALKS]
 
 Processor time of a walk on hard sand at the model's own time step, against the same robot with the same
-commands on a rigid plane of MuJoCo's; and how much faster two threads are than one.
+commands on a rigid plane of MuJoCo's; and how much faster two threads and two processes are than one.
 """
 
 from __future__ import annotations
 
 import sys
 import time
+from functools import partial
 
 import mujoco
 import numpy as np
 from mujoco import rollout
 
 import footopt as fo
+from footopt.design.executor import Workers, make_executor
 from footopt.mujoco.model import BIPED
 
 ROUNDS = 5
@@ -49,21 +51,25 @@ def main(walks: int) -> None:
     feet = fo.Waypoints().random(walks, seed=1)
     fo.evaluate(feet[:2], robot, accuracy)  # compiles
     rows = []
-    for _ in range(ROUNDS):
-        began = time.process_time()
-        fo.evaluate(feet, robot, accuracy, threads=1)
-        sand = (time.process_time() - began) / walks
-        plane = float(np.median([on_a_plane(robot) for _ in range(5)]))
-        clock = []
-        for threads in (1, 2):
-            began = time.perf_counter()
-            fo.evaluate(feet, robot, accuracy, threads=threads)
-            clock.append(time.perf_counter() - began)
-        rows.append((1e3 * sand, 1.0 / sand, sand / plane, clock[0] / clock[1]))
+    with make_executor("processes", 2) as pool:
+        processes = Workers(fo.FootProblem(robot, accuracy=accuracy), pool)
+        ways = [partial(fo.evaluate, feet, robot, accuracy, threads=threads) for threads in (1, 2)]
+        processes(feet)
+        for _ in range(ROUNDS):
+            began = time.process_time()
+            ways[0]()
+            sand = (time.process_time() - began) / walks
+            plane = float(np.median([on_a_plane(robot) for _ in range(5)]))
+            clock = []
+            for way in (*ways, partial(processes, feet)):
+                began = time.perf_counter()
+                way()
+                clock.append(time.perf_counter() - began)
+            rows.append((1e3 * sand, 1.0 / sand, sand / plane, clock[0] / clock[1], clock[0] / clock[2]))
     middle = np.median(rows, axis=0)
-    print("| ms a walk | walks a second and core | times a walk on a rigid plane | two threads over one |")
-    print("| --- | --- | --- | --- |")
-    print(f"| {middle[0]:.1f} | {middle[1]:.0f} | {middle[2]:.1f} | {middle[3]:.2f} |")
+    print("| ms a walk | walks a second and core | times a rigid plane's | two threads | two processes |")
+    print("| --- | --- | --- | --- | --- |")
+    print(f"| {middle[0]:.1f} | {middle[1]:.0f} | {middle[2]:.1f} | {middle[3]:.2f} | {middle[4]:.2f} |")
 
 
 if __name__ == "__main__":

@@ -43,7 +43,7 @@ def settle(model, data, seconds):
 @njit(error_model="numpy")
 def _forces(friction, acting, faces, law, up, surface, forward, twist, c, turn, h0):
     """`footopt.mujoco.faces.forces`, compiled."""
-    return forces(friction, acting, faces, law, up, surface, forward, twist, c, turn, h0)
+    return forces(friction, acting, 0.0, faces, law, up, surface, forward, twist, c, turn, h0)
 
 
 def feel(contact, up, twist, height, c=0.0, turn=1e9, bristles=None):

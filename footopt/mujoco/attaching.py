@@ -6,6 +6,7 @@ import ctypes
 import pickle
 import threading
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -15,16 +16,18 @@ from footopt.effects import Effect, reshaping
 from footopt.effects.base import BRISTLE_LENGTH
 from footopt.errors import SettingError, check, needed
 from footopt.foot import Foot, Plates
-from footopt.mujoco.callback import ATTACHED, FORGOT, MOST, callback, compiled, functions
+from footopt.mujoco.callback import ATTACHED, FORGOT, MOST, callback, compiled, with_effects
 from footopt.mujoco.faces import COLUMNS
 from footopt.mujoco.implicit import ROOM
 from footopt.mujoco.intrusion import Grains, xi_of
-from footopt.mujoco.step import BODY, COUNTED, END, FREEDOM, MEAN, STEP, TRACED, Workspace
+from footopt.mujoco.native import functions
+from footopt.mujoco.step import BEGIN, BEND, BODY, COUNTED, END, FREEDOM, MEAN, STEP, TRACED, Workspace
 from footopt.sand import Sand
 from footopt.sand.law import EARTH
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.discretize import compiled_once, world
 from footopt.walk.scene import Scene
+from footopt.walk.state import World
 
 Array = NDArray[np.float64]
 
@@ -85,8 +88,8 @@ class Contact:
     ) -> None:
         mujoco = needed("mujoco", "footopt.mujoco", "mujoco")
         grains, planar = (sand, sand.sand) if isinstance(sand, Grains) else (Grains(), sand)
-        scene = Scene(sand=planar, effects=tuple(effects))
-        found, g = world(scene, Accuracy()), float(np.linalg.norm(model.opt.gravity)) / EARTH
+        found, once, acting = _laws(planar, tuple(effects))
+        g = float(np.linalg.norm(model.opt.gravity)) / EARTH
         if not feet:
             raise SettingError("feet", {}, "a body and its foot, at least")
         if plates < 4 or plates % 2:
@@ -104,7 +107,7 @@ class Contact:
         for body, row, foot in zip(bodies, rows, feet.values(), strict=True):
             if isinstance(foot, Foot):
                 if id(foot) not in soles:  # both feet often have one
-                    cut = foot.plates(plates // 2, directed=True, fill=reshaping(scene.effects))
+                    cut = foot.plates(plates // 2, directed=True, fill=reshaping(effects))
                     soles[id(foot)] = _sole(cut, foot.width, self.lines)
                 table = soles[id(foot)]
                 body["law"] = g * np.array(found.law)
@@ -120,11 +123,14 @@ class Contact:
         step["start"], step["dt"], step["gravity"] = -np.inf, model.opt.timestep, model.opt.gravity
         step["rk4"] = model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
         step["length"] = found.bristle_length or BRISTLE_LENGTH
-        once = compiled_once(found)
         step["bypass"] = once.bypass
         jacobian = np.zeros((n, model.nv))
-        own, words = (step["time"].ctypes.data, jacobian.ctypes.data), ctypes.addressof(FORGOT)
-        outside = (*functions("mj_getState", "mj_jacBody"), *own, *functions("mju_warning"), words)
+        steps, wrenches = compiled(), with_effects(acting, bool(bodies["mesh"].any()) or None)
+        outside = (
+            *functions("mj_getState", "mj_jacBody", "mju_warning"),
+            *(steps[i].address for i in range(BEGIN, BEND + 1)), wrenches.address,
+            step["time"].ctypes.data, jacobian.ctypes.data, ctypes.addressof(FORGOT),
+        )  # fmt: skip
         self._space = Workspace(
             step, bodies, _freedoms(mujoco, model), model.M_colind[None].astype(np.int64), data.M[None],
             data.xpos, data.xmat.reshape(-1, 9), data.qvel[None], data.qfrc_passive[None],
@@ -136,13 +142,20 @@ class Contact:
         )  # fmt: skip
         self.data, self.names, self._bodies = data, tuple(feet), bodies
         self.acting = found.effects
-        self._compiled = compiled(pickle.dumps(once.effects), bool(bodies["mesh"].any()) or None)
         self.addresses = np.array([(a.ctypes.data, *a.shape, 0)[:3] for a in self._space])
         _keep(self)
 
     def detach(self) -> None:
         """Take the sand away from this MjData."""
         _drop(self)
+
+    def lift(self, weight: float) -> float:
+        """How much higher the sand under the attached feet carries a weight, N, as they sink, m; or NaN."""
+        step = self._space.step
+        step["weight"] = weight
+        compiled()["lift"].ctypes(self.addresses.ctypes.data)
+        step["weight"] = 0.0
+        return float(step["lift"][0])
 
     @property
     def trace(self) -> Array:
@@ -195,6 +208,14 @@ class Contact:
 
 
 attach = Contact
+
+
+@lru_cache(maxsize=32)
+def _laws(sand: Sand, effects: tuple[Effect, ...]) -> tuple[World, World, bytes]:
+    """The law of a sand with effects, as it is and as it is compiled, and its compiled effects, pickled."""
+    found = world(Scene(sand=sand, effects=effects), Accuracy())
+    once = compiled_once(found)
+    return found, once, pickle.dumps(once.effects)
 
 
 def _in_one_plane(mujoco: Any, model: Any, data: Any, rows: list[int]) -> bool:
@@ -275,7 +296,7 @@ def _keep(contact: Contact) -> None:
         _KEPT[address] = contact
         name = _NAMES.setdefault(contact.names[0], ctypes.create_string_buffer(contact.names[0].encode()))
         foot = ctypes.addressof(name), 1e6 * contact._bodies["reach"][0]
-        ATTACHED[free[0], 1:] = contact.addresses.ctypes.data, contact._compiled.address, *foot
+        ATTACHED[free[0], 1:] = contact.addresses.ctypes.data, compiled()["passive"].address, *foot
         ATTACHED[free[0], 0] = address
 
 

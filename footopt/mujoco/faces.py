@@ -146,16 +146,16 @@ def add(total, a, one, b, two):
 
 
 @inlined_fast
-def forces(friction, acting, faces, a, u, surface, forward, twist, c, turn, h0):
+def forces(friction, acting, open, faces, a, u, surface, forward, twist, c, turn, h0):
     """The wrench (6,) on a body about its origin, N and N m, and its derivative (6, 6) by the twist.
 
     The loop over a sole's plates stores nothing, so that it is vectorised: five times faster.
 
     friction: of a mesh's surface, None for a sole. acting: `Laws` of effects, whose derivatives are here by
-    depth and place, and by n.v and depth. a: the
-    `footopt.sand.law.Law` times zeta, N/m^3, or xi of a mesh. u: up. surface, forward: height and x of a face
-    at the stage's end are the first number, m, plus the other three by its place. twist: (6,), at the stage's
-    end. c: its length, s. turn: c over delta, s/m. h0: bristles.
+    depth and place, and by n.v and depth. open: added to how far a face leads, 0 or enough to open all gates.
+    a: the `footopt.sand.law.Law` times zeta, N/m^3, or xi of a mesh. u: up. surface, forward: height and x of
+    a face at the stage's end are the first number, m, plus the other three by its place. twist: (6,), at the
+    stage's end. c: its length, s. turn: c over delta, s/m. h0: bristles.
     """
     law = Law(a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7], a[8])
     total = k0 = k1 = k2 = k3 = k4 = k5 = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -174,7 +174,7 @@ def forces(friction, acting, faces, a, u, surface, forward, twist, c, turn, h0):
             p, by_h = solid(law.A00, friction, n, u, h)
         place = forward[0] + dot(forward[1], r)
         load = effects.load(acting.loads, Dual(depth, 1.0, 0.0), Dual(place, 0.0, 1.0))
-        gate = lift(effects.gate(acting.gates, Dual(dot(h, n) / EDGE, 1.0 / EDGE, 0.0), depth))
+        gate = lift(effects.gate(acting.gates, Dual(open + dot(h, n) / EDGE, 1.0 / EDGE, 0.0), depth))
         push = lift(effects.push(acting.pushes, Dual(dot(v, n), 1.0, 0.0), Dual(depth, 0.0, 1.0)))
         if acting.gates is not None:
             by_h = (

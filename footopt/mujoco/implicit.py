@@ -11,23 +11,29 @@ how they accelerate by all but sand: that of the step before, from how their twi
 and dampers of joints and servos pull back since. MuJoCo is given the mean of F.
 """
 
+import numpy as np
+
 from footopt.compiled import called_fast, inlined_fast
 from footopt.effects import Laws
 from footopt.mujoco.faces import COLUMNS, cross, dot, forces, moved, plus
-from footopt.mujoco.step import BEFORE, END, FREE, GAINED, MEAN, TWIST, inner
+from footopt.mujoco.native import call
+from footopt.mujoco.step import BEFORE, END, FREE, GAINED, MEAN, TWIST, WRENCHES, inner, workspace
 from footopt.walk.contact import rsqrt
 from footopt.walk.steppers.implicit import SDIRK2
 
 GAMMA = SDIRK2().gamma
+DEEPEST = 100.0  # m, to which a robot may sink at first
 MAX_NEWTON = 100  # evaluations of one stage, line search included
 #: Rows of `Workspace.room`, of the twists and wrenches of the near bodies.
 BASE, FREELY, AHEAD, TWISTS, FORCES, SUM, LOAD, DV, DLOAD, REST, WAY, ROOM = range(12)
+OPEN = 1e9  # n.h over EDGE at which every gate has opened
 TIGHT = 1e-3  # last step of Newton's method over the speed of the feet; forces err by its square
 
 
 @called_fast
-def responses(space, rows):
+def responses(address, rows):
     """inv(M + dt D) J' of rows of J by L' L along the tree of joints (Featherstone 2008, section 6.5)."""
+    space = workspace(address)
     freedoms, columns, m, x, n = space.freedoms, space.columns[0], space.factor[0], space.answers, len(rows)
     for a in range(len(m)):
         m[a] = space.inertia[0, a]
@@ -62,11 +68,12 @@ def surface_of(body, axes, way):
 
 
 @called_fast
-def solution(space, moves, c, rest, y):
+def solution(address, moves, c, rest, y):
     """Solve (1 - c W dF/dV) y = c W rest by elimination with pivots, for what moves; the rest of y stays 0.
 
     That takes a quarter of LAPACK's time, and nothing is allocated: arrays cost as much as what is in them.
     """
+    space = workspace(address)
     a, n = space.system, len(moves)
     for p in range(n):
         row, all_columns = space.mobility[p], space.system[len(a) - 1]
@@ -100,43 +107,52 @@ def solution(space, moves, c, rest, y):
         y[moves[i]] = a[i, n] / a[i, i]
 
 
-@called_fast
-def newton(space, effects, meshes, near, moves, c, turn, h0, v0, v, f):
-    """Solve v = v0 + c W f, f = F(v), for the near bodies' twists v and wrenches, from f; whether it can be.
+@inlined_fast
+def wrenches(address, effects, meshes, stage, c):
+    """The sand's wrenches on the near bodies, c seconds after the base at their twists, and derivatives."""
+    space = workspace(address)
+    step = space.step[0]
+    step.evaluations += 1
+    for k in range(step.bodies):
+        body, axes = space.bodies[space.chosen[0, k]], space.frame[space.chosen[0, k]]
+        six, f = space.room[TWISTS, 6 * k : 6 * k + 6], space.room[FORCES, 6 * k : 6 * k + 6]
+        up, x = (axes[6], axes[7], axes[8]), (axes[0], axes[1], axes[2])
+        way = space.room[WAY, 6 * k : 6 * k + 6]
+        for i in range(6):
+            way[i] = space.room[BASE, 6 * k + i] + c * six[i]
+        surface, forward = surface_of(body, axes, way), (space.places[body.row, 0], x)
+        first, last = body.first, body.last
+        faces = space.faces[0, COLUMNS * first : COLUMNS * last].reshape(COLUMNS, last - first)
+        h = space.bristles[stage, 3 * first : 3 * last].reshape(3, last - first)
+        state = OPEN * step.bypass, faces, body.law, up, surface, forward, six, c, c / step.length, h
+        if meshes is not None and body.mesh:
+            total, rows = forces(body.friction, Laws(effects.loads, None, effects.pushes), *state)
+        else:
+            total, rows = forces(None, effects, *state)
+        for i in range(6):
+            f[i] = total[i]
+            for j in range(6):
+                space.stiffness[6 * k + i, j] = rows[i][j]
+
+
+def newton(address, stage):
+    """Solve v = v0 + c W f, f = F(v), for the near bodies' twists v and wrenches, from f, or count a failure.
 
     Sand resists motion, so that dv . (F - f) falls along a step dv: a step is cut where it changes its sign,
     as where a face comes to rest. The size of F - f rises there.
     """
-    n, room, stiffness = len(f), space.room, space.stiffness
+    space = workspace(address)
+    step, room = space.step[0], space.room
+    n, c = 6 * step.bodies, GAMMA * step.dt
     load, dv, dload, rest = room[LOAD, :n], room[DV, :n], room[DLOAD, :n], room[REST, :n]
+    moves, v, f = space.chosen[1, : step.able], room[TWISTS, :n], room[FORCES, :n]
     slope, t, low, high, at_low, at_high = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0  # of a step: 0 before, 1 in full
     for i in range(n):
         load[i], dv[i], v[i] = f[i], 0.0, 0.0
     for p in range(len(moves)):
-        v[moves[p]] = v0[moves[p]] + c * inner(space.mobility[p, :n], load)
+        v[moves[p]] = room[AHEAD, moves[p]] + c * inner(space.mobility[p, :n], load)
     for _ in range(MAX_NEWTON):
-        space.step[0].evaluations += 1
-        for k in range(len(near)):
-            body, axes, six = space.bodies[near[k]], space.frame[near[k]], v[6 * k : 6 * k + 6]
-            up, x = (axes[6], axes[7], axes[8]), (axes[0], axes[1], axes[2])
-            way = room[WAY, 6 * k : 6 * k + 6]
-            for i in range(6):
-                way[i] = room[BASE, 6 * k + i] + c * six[i]
-            surface, forward = surface_of(body, axes, way), (space.places[body.row, 0], x)
-            first, last, plain = body.first, body.last, Laws(effects.loads, None, effects.pushes)
-            faces = space.faces[0, COLUMNS * first : COLUMNS * last].reshape(COLUMNS, last - first)
-            state = faces, body.law, up, surface, forward, six, c, turn
-            h = h0[3 * first : 3 * last].reshape(3, last - first)
-            if meshes is not None and body.mesh:
-                total, rows = forces(body.friction, plain, *state, h)
-            elif space.step[0].bypass:
-                total, rows = forces(None, plain, *state, h)
-            else:
-                total, rows = forces(None, effects, *state, h)
-            for i in range(6):
-                f[6 * k + i] = total[i]
-                for j in range(6):
-                    stiffness[6 * k + i, j] = rows[i][j]
+        call(space.outside[0, WRENCHES], (address, stage, c))
         for i in range(n):
             rest[i] = f[i] - load[i]
         gain = inner(dv, rest)
@@ -147,37 +163,46 @@ def newton(space, effects, meshes, near, moves, c, turn, h0, v0, v, f):
                 low, at_low, at_high = t, gain, 0.5 * at_high
             share = low + (high - low) * at_low / (at_low - at_high) - t
         else:
-            solution(space, moves, c, rest, dv)
+            solution(address, moves, c, rest, dv)
             for i in range(n):
-                dload[i] = rest[i] + inner(stiffness[i], dv[i - i % 6 : i - i % 6 + 6])
+                dload[i] = rest[i] + inner(space.stiffness[i], dv[i - i % 6 : i - i % 6 + 6])
             at_low = slope = inner(dv, rest)
             share, t, low, high, at_high = 1.0, 0.0, 0.0, 1.0, 0.0
         t += share
-        speed, change = 0.1 / turn, 0.0
+        speed, change = 0.1 * step.length / c, 0.0
         for i in range(n):
             v[i] += share * dv[i]
             load[i] += share * dload[i]
-            wide = space.bodies[near[i // 6]].reach if i % 6 > 2 else 1.0  # makes speeds of twists
+            body = space.bodies[space.chosen[0, i // 6]]
+            wide = body.reach if i % 6 > 2 else 1.0  # makes speeds of twists
             speed, change = max(speed, abs(wide * v[i])), max(change, abs(wide * dv[i]))
         if share == 1.0 and change <= TIGHT * speed + 1e-13:
             for i in range(n):
                 f[i] = load[i]  # forces follow the last change to first order
-            return True
-    return False
+            return
+    step.failures += 1
 
 
-@called_fast
-def bend(space, near, v, c, turn, before, after, share):
-    """Bend bristles from before to after by a share, 0 in the air, where bodies have moved with twists v."""
-    for k in range(len(near)):
-        body, way, twist = space.bodies[near[k]], space.room[WAY, 6 * k : 6 * k + 6], v[6 * k : 6 * k + 6]
+def bend(address, stage):
+    """Bend bristles by the motion of a stage, in part in the first one, 0 in the air; add its wrenches."""
+    space = workspace(address)
+    step, room = space.step[0], space.room
+    c = GAMMA * step.dt
+    weight = c if stage else (1.0 - GAMMA) * step.dt
+    share, turn = 1.0 if stage else weight / c, c / step.length
+    for k in range(step.bodies):
+        body, way = space.bodies[space.chosen[0, k]], room[WAY, 6 * k : 6 * k + 6]
+        twist, f = room[TWISTS, 6 * k : 6 * k + 6], room[FORCES, 6 * k : 6 * k + 6]
+        body.power = inner(f, twist)
+        body.pending += weight * body.power
         for i in range(6):
-            way[i] = space.room[BASE, 6 * k + i] + c * twist[i]
-        surface = surface_of(body, space.frame[near[k]], way)
+            room[SUM, 6 * k + i] += weight / step.dt * f[i]
+            way[i] = room[BASE, 6 * k + i] + c * twist[i]
+        surface = surface_of(body, space.frame[space.chosen[0, k]], way)
         first, last = body.first, body.last
         faces = space.faces[0, COLUMNS * first : COLUMNS * last].reshape(COLUMNS, last - first)
-        h = before[3 * first : 3 * last].reshape(3, last - first)
-        new = after[3 * first : 3 * last].reshape(3, last - first)
+        h = space.bristles[stage, 3 * first : 3 * last].reshape(3, last - first)
+        new = space.bristles[stage + 1, 3 * first : 3 * last].reshape(3, last - first)
         for i in range(faces.shape[1]):
             r, _, bent = moved(faces, h, i, twist, turn)
             q = rsqrt(max(dot(bent, bent), 1.0))
@@ -186,75 +211,92 @@ def bend(space, near, v, c, turn, before, after, share):
                 new[a, i] = inside * (h[a, i] + share * (bent[a] * q - h[a, i]))
 
 
-@called_fast
-def chosen(space):
-    """Choose the bodies near the sand, and rows of their twists in which the robot can move; how many."""
+def prepare(address):
+    """Choose the bodies near the sand, and the rows of their twists that can move; find W and a."""
+    space = workspace(address)
+    step, vectors, room, x = space.step[0], space.vectors, space.room, space.answers
     near, moves, rows, bodies, n = space.chosen[0], space.chosen[1], space.chosen[2], 0, 0
     for b in range(len(space.bodies)):
         if space.bodies[b].near:
             near[bodies] = b
             for i in range(6):
-                row = space.jacobian[6 * b + i]
-                if inner(row, row) > 0.0:
-                    moves[n], rows[n] = 6 * bodies + i, 6 * b + i
+                row, r = 6 * b + i, 6 * bodies + i
+                room[BASE, r], room[FORCES, r] = -0.5 * step.dt * vectors[TWIST, row], vectors[BEFORE, row]
+                room[SUM, r] = 0.0
+                if inner(space.jacobian[row], space.jacobian[row]) > 0.0:
+                    moves[n], rows[n] = r, row
                     n += 1
             bodies += 1
-    return bodies, n
+    step.bodies, step.able = bodies, n
+    responses(address, rows[:n])
+    for p in range(n):
+        row, own, pull = space.mobility[p], space.jacobian[rows[p]], 0.0
+        for i in range(6 * bodies):
+            row[i] = 0.0
+        for k in range(len(own)):
+            pull += x[k, p] * space.freedoms[k].pull
+            for q in range(n):
+                row[moves[q]] += own[k] * x[k, q]
+        room[FREELY, moves[p]] = vectors[FREE, rows[p]] - pull
 
 
 @called_fast
-def solve(space, effects, meshes):
-    """Find the mean wrenches of a step on the bodies."""
-    dt, vectors, h, room = space.step[0].dt, space.vectors, space.bristles, space.room
-    c, r = GAMMA * dt, (1.0 - GAMMA) * dt
-    bodies, able = chosen(space)
-    near, moves, rows = space.chosen[0, :bodies], space.chosen[1, :able], space.chosen[2, :able]
-    n, x = 6 * len(near), space.answers
-    responses(space, rows)
-    base, a, mean, v, f = (
-        room[BASE, :n], room[FREELY, :n], room[SUM, :n], room[TWISTS, :n], room[FORCES, :n]
-    )  # fmt: skip
-    for p in range(len(moves)):
-        row, own = space.mobility[p], space.jacobian[rows[p]]
-        for i in range(n):
-            row[i] = 0.0
-        for k in range(len(own)):
-            for q in range(len(moves)):
-                row[moves[q]] += own[k] * x[k, q]
-    for i in range(n):
-        row = 6 * near[i // 6] + i % 6
-        base[i], f[i], mean[i] = -0.5 * dt * vectors[TWIST, row], vectors[BEFORE, row], 0.0
-    for p in range(len(moves)):
-        a[moves[p]] = vectors[FREE, rows[p]]
-    for k in range(len(space.freedoms)):
-        for p in range(len(moves)):
-            a[moves[p]] -= x[k, p] * space.freedoms[k].pull
-    turn = c / space.step[0].length
-    for stage in range(2):  # of SDIRK2
-        weight = c if stage else r
-        for p in range(len(moves)):
-            i = moves[p]
-            room[AHEAD, i] = vectors[TWIST, rows[p]] + (dt if stage else c) * a[i]
-            if stage:
-                room[AHEAD, i] += r * inner(space.mobility[p, :n], f)
-                base[i] += r * v[i]
-        if not newton(space, effects, meshes, near, moves, c, turn, h[stage], room[AHEAD, :n], v, f):
-            space.step[0].failures += 1
-        bend(space, near, v, c, turn, h[stage], h[stage + 1], 1.0 if stage else r / c)
-        for k in range(len(near)):
-            body, six = space.bodies[near[k]], slice(6 * k, 6 * k + 6)
-            body.power = inner(f[six], v[six])
-            body.pending += weight * body.power
-        for i in range(n):
-            mean[i] += weight / dt * f[i]
-    for i in range(n):
-        row = 6 * near[i // 6] + i % 6
-        vectors[MEAN, row], vectors[END, row] = mean[i], f[i]
-    gained = space.gained[0]
+def predict(address, stage):
+    """Where twists would be at a stage's end of SDIRK2 without its own force."""
+    space = workspace(address)
+    step, vectors, room = space.step[0], space.vectors, space.room
+    n, r = 6 * step.bodies, (1.0 - GAMMA) * step.dt
+    for p in range(step.able):
+        i = space.chosen[1, p]
+        ahead = step.dt if stage else GAMMA * step.dt
+        room[AHEAD, i] = vectors[TWIST, space.chosen[2, p]] + ahead * room[FREELY, i]
+        if stage:
+            room[AHEAD, i] += r * inner(space.mobility[p, :n], room[FORCES, :n])
+            room[BASE, i] += r * room[TWISTS, i]
+
+
+@called_fast
+def give(address):
+    """Give the mean wrenches of a step, and how the bodies accelerate by them."""
+    space = workspace(address)
+    step, vectors, gained = space.step[0], space.vectors, space.gained[0]
+    for i in range(6 * step.bodies):
+        row = 6 * space.chosen[0, i // 6] + i % 6
+        vectors[MEAN, row], vectors[END, row] = space.room[SUM, i], space.room[FORCES, i]
     for k in range(len(gained)):
         gained[k] = 0.0
-    for p in range(len(moves)):
+    for p in range(step.able):
         for k in range(len(gained)):
-            gained[k] += x[k, p] * mean[moves[p]]
+            gained[k] += space.answers[k, p] * space.room[SUM, space.chosen[1, p]]
     for i in range(len(vectors[GAINED])):
         vectors[GAINED, i] = inner(space.jacobian[i], gained)
+
+
+def lift(address):
+    """Find the height at which the limit force of sinking carries the robot: it grows with the depth."""
+    space = workspace(address)
+    step, bodies, high = space.step[0], space.bodies, -np.inf
+    for b in range(len(bodies)):
+        body, frame = bodies[b], space.frame[b]
+        for i in range(6):
+            space.room[BASE, 6 * b + i] = space.room[TWISTS, 6 * b + i] = 0.0
+        for i in range(9):
+            frame[i] = space.attitude[body.row, i]
+        count = body.last - body.first
+        for i in range(3 * count):
+            space.bristles[0, 3 * body.first + i] = -frame[6 + i // count]
+        high, space.chosen[0, b] = max(high, body.reach - space.places[body.row, 2]), b
+    low, step.bodies, step.lift = high - DEEPEST, len(bodies), np.nan
+    while high - low > 1e-13:
+        middle, more = 0.5 * (low + high), -step.weight
+        for b in range(len(bodies)):
+            bodies[b].height = space.places[bodies[b].row, 2] + middle
+        call(space.outside[0, WRENCHES], (address, 0, 0.0))
+        for b in range(len(bodies)):
+            for a in range(3):
+                more += space.frame[b, 6 + a] * space.room[FORCES, 6 * b + a]
+        if more > 0.0:
+            low = step.lift = middle
+        else:
+            high = middle
+    step.evaluations = 0

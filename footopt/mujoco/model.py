@@ -5,9 +5,10 @@ from __future__ import annotations
 import copy
 import hashlib
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -80,12 +81,25 @@ class Model:
         content = np.empty(mujoco.mj_sizeModel(model), np.uint8)
         mujoco.mj_saveModel(model, None, content)
         made = cls(hashlib.sha256(content.tobytes()).hexdigest(), model, tuple(feet), mujoco.__version__)
-        made.height_address()
+        _ = made.height_address  # names what it lacks
         return made
 
     def at(self, dt: float) -> Any:
         """It with a time step, s."""
-        return _at(self, dt)
+        return _at(self, dt)[0]
+
+    @contextmanager
+    def data(self, dt: float) -> Iterator[tuple[Any, Any]]:
+        """It with a time step, and data that may have been used: making them takes a twentieth of a walk."""
+        model, unused = _at(self, dt)
+        try:
+            data = unused.pop()
+        except IndexError:
+            data = needed("mujoco", "fo.mujoco.Robot", "mujoco").MjData(model)
+        try:
+            yield model, data
+        finally:
+            unused.append(data)
 
     def wearing(self, foot: Foot, density: float) -> Model:
         """It with feet of the mass and inertia of a sole with its flat top, of a density, kg/m^3."""
@@ -94,7 +108,7 @@ class Model:
         mean, spread = 0.5 * (xx + zz), math.hypot(0.5 * (xx - zz), xz)
         along, mass = 0.5 * math.atan2(2.0 * xz, xx - zz), density * foot.width * area
         least, most, across = mean - spread, mean + spread, foot.width**2 / 12.0
-        for name, ankle in zip(self.feet, self.ankles(), strict=True):
+        for name, ankle in zip(self.feet, self.ankles, strict=True):
             row = found.body(name).id
             check(found.body_simple[row] == 0, "robot.density", density, "null where a foot is all the robot")
             found.body_sameframe[row], found.body_mass[row] = 0, mass
@@ -104,14 +118,16 @@ class Model:
         mujoco.mj_setConst(found, mujoco.MjData(found))
         return replace(self, digest=f"{self.digest} {density} {hash(foot)}", compiled=found)
 
-    def sensor(self, name: str) -> slice:
-        """Columns of a sensor that was added."""
-        found = self.compiled.sensor(name)
-        return slice(int(found.adr[0]), int(found.adr[0] + found.dim[0]))
-
-    def of_actuators(self, prefix: str) -> list[int]:
-        """Columns of what is measured of each actuator, a name of `ACTUATOR`."""
-        return [self.sensor(f"{prefix}{i}").start for i in range(self.compiled.nu)]
+    @cached_property
+    def columns(self) -> dict[str, list[int]]:
+        """Columns of what is measured, in the place of `COM`, and so on, and of all actuators together."""
+        m, found = self.compiled, dict[str, list[int]]()
+        for name in (COM, VELOCITY, UPRIGHT):
+            of = m.sensor(name)
+            found[name] = list(range(int(of.adr[0]), int(of.adr[0] + of.dim[0])))
+        for name in ACTUATOR:
+            found[name] = [int(m.sensor(f"{name}{i}").adr[0]) for i in range(m.nu)]
+        return found
 
     def implicit_damping(self) -> Array:
         """What each actuator's force changes with its speed within a step, N m s; 0 for explicit ones."""
@@ -120,6 +136,7 @@ class Model:
             return np.zeros(m.nu)
         return np.where(m.actuator_biastype == 1, m.actuator_biasprm[:, 2], 0.0)
 
+    @cached_property
     def height_address(self) -> int:
         """The place in qpos of the robot's height: of a free joint, or of one that slides upward."""
         m, free, slide = self.compiled, 0, 2
@@ -134,6 +151,7 @@ class Model:
             "robot.model", name, "a body with a free joint, or with one that slides along z", "Add one."
         )
 
+    @cached_property
     def ankles(self) -> Array:
         """Of each foot the joint that it turns about, else its origin, in its body's axes, (feet, 3), m."""
         m, found = self.compiled, np.zeros((len(self.feet), 3))
@@ -168,11 +186,11 @@ def moments(foot: Foot) -> tuple[float, tuple[float, float], tuple[float, float,
 
 
 @lru_cache(maxsize=16)
-def _at(model: Model, dt: float) -> Any:
-    """A copy with a time step."""
+def _at(model: Model, dt: float) -> tuple[Any, list[Any]]:
+    """A copy with a time step, and data of it that nobody uses."""
     found = copy.copy(model.compiled)
     found.opt.timestep = dt
-    return found
+    return found, []
 
 
 def _spec(mujoco: Any, source: Any) -> Any:

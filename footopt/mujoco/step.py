@@ -7,6 +7,10 @@ to the middle of steps, and to places half a step back. RK4's belong to the same
 from typing import Any, NamedTuple
 
 import numpy as np
+from llvmlite import ir
+from numba import from_dtype, types
+from numba.extending import intrinsic
+from numba.np.arrayobj import populate_array
 
 from footopt.compiled import called_fast, inlined, inlined_fast
 from footopt.mujoco.faces import COLUMNS, X, Y, Z, cross, dot, plus
@@ -23,8 +27,12 @@ STEP = np.dtype(
         ("seen", np.int64),  # of RK4's stages: 1 once the step's middle has been called for, 2 once its end
         ("time", float),  # s: MuJoCo's
         ("bypass", np.int64),  # 1 where the gates of effects are not applied
+        ("bodies", np.int64),  # near the sand
+        ("able", np.int64),  # rows of their twists in which the robot can move
         ("length", float),  # over which bristles bend, m
         ("gravity", float, 3),  # m/s^2
+        ("weight", float),  # N, for which a lift is asked; 0 for a step
+        ("lift", float),  # m; NaN where nothing carries the weight
         *[(name, np.int64) for name in COUNTED],
     ]
 )
@@ -66,6 +74,9 @@ FREEDOM = np.dtype(
 TWIST, BEFORE, FREE, GAINED, MEAN, END = range(6)
 
 
+#: Addresses: functions of MuJoCo's, of footopt's, and what is read and written.
+GET_STATE, JAC_BODY, WARN, BEGIN, PREPARE, NEWTON, BEND, WRENCHES, TIME, JACOBIAN, WORDS, OUTSIDE = range(12)
+
 #: Columns of each body in `Workspace.trace`: force at its end in the world's axes, N, power, W,
 #: work since the first step, J, and depth at its beginning, m.
 TRACED = ("fx", "fy", "fz", "power", "work", "depth")
@@ -98,10 +109,36 @@ class Workspace(NamedTuple):
     stiffness: Any  # (6 b, 6): dF/dV of the near bodies
     system: Any  # (6 b + 1, 6 b + 1): of equations
     room: Any  # (`implicit.ROOM`, 6 b)
-    outside: Any  # (1, 6): addresses of mj_getState, mj_jacBody, time, Jacobian, mju_warning, its words
+    outside: Any  # (1, `OUTSIDE`): addresses
 
 
 WHOLE = ("columns", "chosen", "outside")  # are whole numbers
+
+
+def _workspace(typingctx: Any, table: Any) -> Any:
+    """The `Workspace` of the arrays whose addresses and shapes are in a table at an address."""
+
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        whole, arrays = ir.IntType(64), []
+        rows = builder.inttoptr(args[0], whole.as_pointer())
+        for row, kind in enumerate(signature.return_type):
+            places = (builder.gep(rows, [whole(3 * row + i)]) for i in range(1 + kind.ndim))
+            address, *shape = (builder.load(place) for place in places)
+            array, size = context.make_array(kind)(context, builder), context.get_data_type(kind.dtype)
+            size = whole(context.get_abi_sizeof(size))
+            strides = [*(builder.mul(columns, size) for columns in shape[1:]), size]
+            data = builder.inttoptr(address, array.data.type)
+            populate_array(array, data, shape, strides, size, meminfo=None)
+            arrays.append(array._getvalue())
+        return context.make_tuple(builder, signature.return_type, arrays)
+
+    kinds = {"step": STEP, "bodies": BODY, "freedoms": FREEDOM, **dict.fromkeys(WHOLE, np.dtype(np.int64))}
+    given = (kinds.get(name, np.dtype(float)) for name in Workspace._fields)
+    arrays = [types.Array(from_dtype(of), 2 - bool(of.fields), "C", aligned=not of.fields) for of in given]
+    return types.NamedTuple(arrays, Workspace)(table), generate
+
+
+workspace = intrinsic(_workspace)
 
 
 @inlined
@@ -132,8 +169,9 @@ def inner(a, b):
 
 
 @called_fast
-def align(space):
+def align(address):
     """Turn the Jacobian from the world's axes to the bodies' own ones in the middle of the step."""
+    space = workspace(address)
     for i in range(0, len(space.jacobian), 3):
         rows, axes = space.jacobian[i : i + 3], space.frame[i // 6]
         for j in range(rows.shape[1]):
@@ -142,11 +180,11 @@ def align(space):
                 rows[a, j] = dot((axes[a], axes[3 + a], axes[6 + a]), row)
 
 
-@called_fast
-def begin(space, meaning):
+def begin(address, meaning):
     """Begin a step, after a RESTART with all sunk straight down; whether the sand is to be solved for."""
+    space = workspace(address)
     if meaning == HOLD:
-        align(space)
+        align(address)
         return False
     step, vectors, velocity, any_near = space.step[0], space.vectors, space.velocity[0], False
     late = 0.5 * step.dt * step.rk4  # from MuJoCo's places to the middle
@@ -180,7 +218,7 @@ def begin(space, meaning):
             for i in range(3 * count):
                 space.bristles[2, 3 * body.first + i] = -frame[6 + i // count]
         body.power = body.pending = 0.0
-    align(space)
+    align(address)
     step.steps += meaning == NEW
     step.restarts += meaning == RESTART
     for i in range(vectors.shape[1]):
@@ -208,8 +246,9 @@ def begin(space, meaning):
 
 
 @called_fast
-def leave_trace(space):
+def leave_trace(address):
     """Write a step into the trace, if there is room."""
+    space = workspace(address)
     row = space.step[0].steps
     if row >= len(space.trace):
         return

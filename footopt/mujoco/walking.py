@@ -11,24 +11,20 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.errors import SettingError, needed
+from footopt.errors import SettingError, check, needed
 from footopt.foot import Foot
-from footopt.gait.gait import Pose
 from footopt.mujoco.attaching import Contact
-from footopt.mujoco.callback import library
 from footopt.mujoco.controllers import Tracker
 from footopt.mujoco.model import ACTUATOR, COM, UPRIGHT, VELOCITY, Model
+from footopt.mujoco.native import library
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.objectives import FIVE
-from footopt.walk.plates import plate_states
 
 Array = NDArray[np.float64]
 
 #: Quantities that a walk measures, beside how well servos follow.
 MEASURED = (*FIVE, "joint_work", "torque", "survival", "maximum_sinkage", "peak_vertical_force")
-SLOW = 1e-6  # m/s, of what sinks at 1 m/s
-PLATES = 64  # along a sole that finds where a robot starts
-DEEPEST = 100.0  # m, to which a robot may sink at first
+HIGH = 100.0  # m, above the sand, for a walk in the air
 SQUARE = 0.5  # cosine of how far the axes of a foot may be from forward and up at the start
 AXES = [0, 2]  # x and z of three
 
@@ -66,64 +62,73 @@ def quiet() -> Iterator[None]:
 
 def walk(robot: Any, foot: Foot | None, accuracy: Accuracy, end: float, traced: bool = False) -> Found:
     """Walk with a foot, None in the air, to the end, s."""
-    mujoco = needed("mujoco", "fo.mujoco.Robot", "mujoco")
-    steps, worn = max(1, math.ceil(end / accuracy.dt - 1e-9)), robot
+    steps, model = max(1, math.ceil(end / accuracy.dt - 1e-9)), robot.model
     if foot and robot.density is not None:
-        worn = replace(robot, model=robot.model.wearing(foot, robot.density))
-    model, kind = worn.model.at(end / steps), mujoco.mjtState.mjSTATE_FULLPHYSICS
-    data, sole = posed(robot, model), soles_of(robot, foot) if foot else {}
-    data.qpos[robot.model.height_address()] += rise(worn, data, foot) if foot else 100.0
-    contact, sensed, states = None, np.empty((steps + 1, model.nsensordata)), None
-    if sole:
-        contact = Contact(
-            model, data, sole, robot.sand, robot.effects, 2 * accuracy.plates, steps + 1, traced
-        )
-    t = end / steps * np.arange(steps + 1, dtype=np.float64)
-    try:
-        if robot._told:
-            from mujoco import rollout
-
-            first = np.empty(mujoco.mj_stateSize(model, kind))
-            mujoco.mj_getState(model, data, first, kind)
-            told = commands_at(robot.controller, robot.model, t.tobytes())
-            found = rollout.rollout(model, data, first[None], told[None])
-            states, sensed = (np.asarray(a[0], float) for a in found)
-        else:
-            states = np.empty((steps + 1, mujoco.mj_stateSize(model, kind)))
-            period, due = robot.model.compiled.opt.timestep, 0
-            for n in range(steps + 1):
-                if (passed := int(t[n] / period + 1e-6)) >= due:  # shorter steps are no faster control
-                    robot.controller.function(model, data)
-                    due = passed + 1
-                mujoco.mj_step(model, data)
-                sensed[n] = data.sensordata
-                mujoco.mj_getState(model, data, states[n], kind)
-        counts = contact.counts if contact else {"evaluations": 0, "failures": 0, "restarts": 1}
-        sand = contact.trace[:steps] if contact else np.zeros((steps, len(robot.feet), 6))
-        bristles = np.stack([contact.bristles(name)[:steps] for name in sole], axis=1) if contact else sand
-    finally:
-        if contact:
+        model = model.wearing(foot, robot.density)
+    t, height = end / steps * np.arange(steps + 1, dtype=np.float64), robot.model.height_address
+    weight = float(model.compiled.body_mass.sum()) * robot.g
+    with model.data(t[1]) as (own, data):
+        posed(robot, own, data)
+        if foot is None:
+            data.qpos[height] += HIGH
+            states, sensed = stepped(robot, own, data, t)
+            counts, sand = {"evaluations": 0, "failures": 0}, np.zeros((steps, len(robot.feet), 6))
+            return judged(robot, t, sensed, sand, states, counts)
+        soles, plates = soles_of(robot, foot), 2 * accuracy.plates
+        contact = Contact(own, data, soles, robot.sand, robot.effects, plates, steps + 1, traced)
+        try:
+            data.qpos[height] += contact.lift(weight)
+            low = "one that carries the robot"
+            check(math.isfinite(data.qpos[height]), "sand.zeta", robot.sand.zeta, low, "Or wider feet.")
+            states, sensed = stepped(robot, own, data, t)
+        finally:
             contact.detach()
-    found = judged(robot, t, sensed, sand, states, counts)
-    return found._replace(bristles=bristles, totals=found.totals | {"weight": worn.weight})
+    found = judged(robot, t, sensed, contact.trace[:steps], states, contact.counts)
+    bristles = np.stack([contact.bristles(name)[:steps] for name in soles], axis=1)
+    return found._replace(bristles=bristles, totals=found.totals | {"weight": weight})
 
 
-def posed(robot: Any, model: Any) -> Any:
+def stepped(robot: Any, model: Any, data: Any, t: Array) -> tuple[Array, Array]:
+    """States after steps that begin at some times, and what is measured in them."""
+    mujoco = needed("mujoco", "fo.mujoco.Robot", "mujoco")
+    kind = mujoco.mjtState.mjSTATE_FULLPHYSICS
+    states = np.empty((len(t), mujoco.mj_stateSize(model, kind)))
+    sensed = np.empty((len(t), model.nsensordata))
+    if robot._told:
+        from mujoco import rollout
+
+        mujoco.mj_getState(model, data, states[0], kind)
+        told, first = commands_at(robot.controller, robot.model, t.tobytes()), states[:1].copy()
+        rollout.rollout(model, data, first, told[None], state=states[None], sensordata=sensed[None])
+        return states, sensed
+    period, due = robot.model.compiled.opt.timestep, 0
+    for n in range(len(t)):
+        if (passed := int(t[n] / period + 1e-6)) >= due:  # shorter steps are no faster control
+            robot.controller.function(model, data)
+            due = passed + 1
+        mujoco.mj_step(model, data)
+        sensed[n] = data.sensordata
+        mujoco.mj_getState(model, data, states[n], kind)
+    return states, sensed
+
+
+def posed(robot: Any, model: Any, data: Any) -> Any:
     """Data of a robot in the pose in which it starts, wherever the sand is."""
     mujoco = needed("mujoco", "fo.mujoco.Robot", "mujoco")
-    data = mujoco.MjData(model)
+    mujoco.mj_resetData(model, data)
     if robot.key is not None:
         mujoco.mj_resetDataKeyframe(model, data, model.key(robot.key).id)
     elif isinstance(robot.controller, Tracker):
-        for name, angle in _first_angles(robot.controller).items():
-            data.qpos[model.joint(name).qposadr[0]] = angle
+        for place, angle in _first_angles(robot.controller, robot.model).items():
+            data.qpos[place] = angle
     mujoco.mj_kinematics(model, data)
     return data
 
 
 def check_axes(robot: Any) -> None:
     """Raise unless the feet's axes are forward and up at the start."""
-    data = posed(robot, robot.model.compiled)
+    model = robot.model.compiled
+    data = posed(robot, model, needed("mujoco", "fo.mujoco.Robot", "mujoco").MjData(model))
     for name in robot.feet:
         x, _, z = data.body(name).xmat.reshape(3, 3).T
         if x[0] < SQUARE or z[2] < SQUARE:
@@ -133,51 +138,23 @@ def check_axes(robot: Any) -> None:
 
 def soles_of(robot: Any, foot: Foot) -> dict[str, Foot]:
     """A robot's soles by name of the body, whose origin each takes for its ankle."""
-    moved = foot.ankle - robot.model.ankles()[:, AXES]
-    soles = {tuple(ankle): replace(foot, ankle=tuple(ankle)) for ankle in moved.tolist()}
-    return {name: soles[tuple(ankle)] for name, ankle in zip(robot.feet, moved.tolist(), strict=True)}
-
-
-def rise(robot: Any, data: Any, foot: Foot) -> float:
-    """By how much a robot has to be lifted for the limit force of sinking on its feet to carry it, m."""
-    rows = [robot.model.compiled.body(name).id for name in robot.feet]
-    x, z = ankles(robot, data, rows)[:, AXES].T
-    pitch = np.arctan2(data.xmat[rows, 6], data.xmat[rows, 0])
-    level = tuple(effect for effect in robot.effects if effect.law is None or not hasattr(effect.law, "push"))
-    scene, plates = replace(robot.planar, effects=level), robot.plates_of(foot, PLATES)
-    c, s = np.cos(pitch)[:, None], np.sin(pitch)[:, None]
-    low = float(np.min(z[:, None] + s * plates.x[0] + c * plates.z[0]))
-
-    def missing(depths: Array) -> Array:
-        """The force beyond the weight with the lowest plate at some depths, N."""
-        still, down = np.zeros((len(depths), len(rows))), np.tile([0.0, -1.0], (len(depths), 1))
-        pose = Pose(still + x, still + z, still, still, still + pitch, still)
-        at = np.stack([0.0 * depths, -low - depths], axis=1)
-        states = plate_states(plates, pose, at, down, scene, SLOW)
-        return np.asarray(states.total[..., 1].sum(axis=1) - robot.weight)
-
-    depths = np.concatenate([[0.0], DEEPEST / 2.0 ** np.arange(20)[::-1]])
-    for _ in range(3):  # the force grows with the depth
-        more = missing(depths)
-        at = int(np.argmax(more >= 0.0))
-        if at == 0:
-            raise SettingError("sand.zeta", robot.sand.zeta, "one that carries the robot", "Or wider feet.")
-        bracket = depths[at - 1 : at + 1]
-        depths = np.linspace(bracket[0], bracket[1], 17)
-    return float(-low - np.interp(0.0, more[at - 1 : at + 1], bracket))
+    places = [tuple(place) for place in (foot.ankle - robot.model.ankles[:, AXES]).tolist()]
+    soles = {place: foot if place == tuple(foot.ankle) else replace(foot, ankle=place) for place in places}
+    return {name: soles[place] for name, place in zip(robot.feet, places, strict=True)}
 
 
 def ankles(robot: Any, data: Any, rows: list[int]) -> Array:
     """Places of the ankles of feet, bodies of some rows, (feet, 3), m."""
-    turned = np.einsum("fij,fj->fi", data.xmat[rows].reshape(-1, 3, 3), robot.model.ankles())
+    turned = np.einsum("fij,fj->fi", data.xmat[rows].reshape(-1, 3, 3), robot.model.ankles)
     found: Array = data.xpos[rows] + turned
     return found
 
 
 @lru_cache(maxsize=32)
-def _first_angles(controller: Tracker) -> dict[str, float]:
-    """Where the joints of a tracked gait begin, rad."""
-    return {name: float(controller.angles(name, np.zeros(1))[0][0]) for name in controller.joints}
+def _first_angles(controller: Tracker, model: Model) -> dict[int, float]:
+    """Where the joints of a tracked gait begin, rad, by their places in qpos."""
+    angles = {name: float(controller.angles(name, np.zeros(1))[0][0]) for name in controller.joints}
+    return {int(model.compiled.joint(name).qposadr[0]): angle for name, angle in angles.items()}
 
 
 @lru_cache(maxsize=32)
@@ -196,8 +173,8 @@ def targets_at(controller: Any, model: Model, t: bytes) -> dict[int, Array]:
 def judged(robot: Any, t: Array, sensed: Array, sand: Array, states: Array, counts: dict[str, int]) -> Found:
     """Objectives of a walk from what was measured at the beginnings of its steps, and at its end."""
     model, steps = robot.model, len(t) - 1
-    com, velocity, upright = (sensed[:, model.sensor(name)] for name in (COM, VELOCITY, UPRIGHT))
-    force, speed, place = (sensed[:, model.of_actuators(prefix)] for prefix in ACTUATOR)
+    com, velocity, upright = (sensed[:, model.columns[name]] for name in (COM, VELOCITY, UPRIGHT))
+    force, speed, place = (sensed[:, model.columns[name]] for name in ACTUATOR)
     anew = np.abs(states[:, 0] - t - t[1]) > 0.5 * t[1]  # MuJoCo begins anew where it is lost
     lost = ~np.isfinite(com).all(axis=1) | ~np.isfinite(states).all(axis=1) | anew
     reason, end = "", steps

@@ -1,4 +1,4 @@
-"""Attaching sand compiles MuJoCo's callback, 8 to 11 s in each process that does: such tests are slow."""
+"""Attaching sand compiles MuJoCo's callback, 6 s in each process that does: such tests are slow."""
 
 import pytest
 
