@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -44,6 +44,8 @@ class RobustProblem(FootProblem):
         scenario's own best, for which `own_best` searches at once, 10,000 evaluations a scenario. Ones leave
         the values as they are: the worst J_W of three sands is that on soft sand, where J_W is a tenth, and
         the foot that is best by it a specialist.
+    limits : dict of str to float, optional
+        As in `FootProblem`, of the measures over the scenarios.
 
     Raises
     ------
@@ -63,6 +65,7 @@ class RobustProblem(FootProblem):
         measure: str = "worst",
         tail: float = 0.25,
         references: Sequence[float] | Array | None = None,
+        limits: Mapping[str, float] | None = None,
     ) -> None:
         check(len(scenarios) > 0, "scenarios", list(scenarios), "at least one")
         names = [scenario.name for scenario in scenarios]
@@ -70,7 +73,7 @@ class RobustProblem(FootProblem):
         check_measure(measure, tail)
         for scenario in scenarios:
             scenario.scene.need_heel_strike()
-        super().__init__(scenarios[0].scene, objective, space, accuracy, threads)
+        super().__init__(scenarios[0].scene, objective, space, accuracy, threads, limits)
         self.scenarios = tuple(scenarios)
         self.measure, self.tail = measure, tail
         if references is None:

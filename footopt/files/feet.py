@@ -64,14 +64,16 @@ def write_foot(foot: Foot, path: str | Path, block: Sequence[float] | None = Non
     return path
 
 
-def write_all(foot: Foot, folder: Path, block: Sequence[float] | None = None) -> tuple[list[Path], list[str]]:
-    """Write contour.csv, .dxf, .svg, .stl and .step to a folder (see `write_foot`).
+def write_all(
+    foot: Foot, folder: Path, block: Sequence[float] | None = None, name: str = "contour"
+) -> tuple[list[Path], list[str]]:
+    """Write contour.csv, .dxf, .svg, .stl and .step, or with another name, to a folder (see `write_foot`).
 
     Returns the files, and notes on those that are left out because a library is missing.
     """
     written, notes = [], []
     for ending in FORMATS:
-        path = folder / f"contour.{ending}"
+        path = folder / f"{name}.{ending}"
         try:
             written.append(write_foot(foot, path, block))
         except MissingError as error:

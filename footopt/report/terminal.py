@@ -26,14 +26,13 @@ from footopt.foot import Foot, Waypoints
 from footopt.foot.waypoints import heights_text
 from footopt.report.numbers import change, number, percent, quantity, title
 from footopt.sand.law import EARTH
-from footopt.walk import FIVE, MEASURES, Scene, Simulator, gain_shares
+from footopt.walk import MEASURES, Scene, Simulator, gain_shares
 from footopt.walk.validity import Diagnostic
 
 if TYPE_CHECKING:
     from footopt.design import Confirmation, SearchResult
 
 HEADER = 8  # letters of a line of a number's header
-POOR = 0.5  # an error of the law beyond which an objective is named
 WORDS = 10  # letters of a table's first column in the narrowest terminal
 
 
@@ -92,15 +91,13 @@ def objective_table(
     errors: Mapping[str, float],
     flat: Mapping[str, float] | None = None,
     shares: bool = True,
-    turned: Mapping[str, Sequence[str]] | None = None,
 ) -> RichTable:
     """Objectives (rows) of a foot with their estimated errors, and their change from the flat foot's.
 
-    With `shares` it has each factor's share in the gain of J_W, if there is one. `turned` are the laws under
-    which the two feet change places, by objective.
+    With `shares` it has each factor's share in the gain of J_W, if there is one.
     """
     parts = gain_shares({**values}, {**flat}) if flat and shares else {}
-    gained, turned = any(map(math.isfinite, parts.values())), turned or {}
+    gained = any(map(math.isfinite, parts.values()))
     titles = ["objective", "unit", title, "error", *(["flat", "change from flat"] if flat else [])]
     shown = table([*titles, *(["share of J_W's gain"] if gained else [])], words=("objective", "unit"))
     for name, value in values.items():
@@ -108,13 +105,10 @@ def objective_table(
         cells = [f"{name.replace('_', ' ')} ({'max' if o.maximise else 'min'})", o.unit, number(value)]
         cells.append(percent(abs(errors[name] / value)) if value else "-")
         if flat:
-            cells += [number(flat[name]), change(name, value, flat[name]) + " *" * (name in turned)]
+            cells += [number(flat[name]), change(name, value, flat[name])]
         if gained:
             cells.append(f"{100 * parts[name] + 0.0:.1f} %" if name in parts else "")
         shown.add_row(*cells)
-    if turned:
-        by = "; ".join(f"{name.replace('_', ' ')}: {', '.join(laws)}" for name, laws in turned.items())
-        shown.caption = f"* under another sand law the order of the two feet is reversed ({by})"
     return shown
 
 
@@ -160,15 +154,15 @@ def headline(by: str, value: float, flat: float, under: Mapping[str, Sequence[fl
     return f"{name} {change(by, value, flat)} against a flat foot{told}{doubt and f', {doubt}'}."
 
 
-def describe_errors(errors: Mapping[str, float], values: Mapping[str, float], model: Any) -> str:
-    """The largest error of the numbers, and of the law for what it errs most in."""
+def describe_errors(errors: Mapping[str, float], values: Mapping[str, float]) -> str:
+    """The largest error of the numbers; that of the law is the range under other laws."""
     shares = [abs(error / values[name]) for name, error in errors.items() if values[name]]
     exact = max(shares) if shares and all(map(math.isfinite, shares)) else math.nan
-    poor = {name: error for name, error in (model or {}).items() if error and error > POOR and name in FIVE}
-    named = ", ".join(name.replace("_", " ") for name in poor)
-    law = f" Law: {named} err by up to {percent(max(poor.values()))}; compare feet." if poor else ""
-    numbers = f"exact to {percent(exact)}" if math.isfinite(exact) else "no estimate of their errors"
-    return f"Numbers: {numbers}.{law}"
+    return (
+        f"Numbers: exact to {percent(exact)}."
+        if math.isfinite(exact)
+        else "No estimate of the numbers' errors."
+    )
 
 
 def describe_foot(foot: Foot) -> str:

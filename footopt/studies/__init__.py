@@ -65,6 +65,11 @@ class Optimize(SearchSettings):
         None, "Whether all soles near the best are walked; null: if they are fewer than the search walked."
     )
     details: bool = setting(False, "Whether the closing lines tell everything about the answer.")
+    laws: float | None = setting(
+        0.05,
+        "Share of the search's evaluations for a search under each law, before twice as many for the foot to "
+        "print, which loses least under the worst of them; null: no such foot.",
+    )
     start: list[int] | None = setting(
         None, "Heights of the sole that a search begins with, or of several in a row."
     )

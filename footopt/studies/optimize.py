@@ -21,12 +21,13 @@ from footopt.design.certificate import Certificate, certified
 from footopt.design.fronts import excess
 from footopt.errors import SettingError
 from footopt.files import io as files
+from footopt.files.feet import write_all
 from footopt.foot import Foot, Waypoints
 from footopt.report import terminal
 from footopt.report.numbers import number, percent, quantity, title
 from footopt.report.output import foot_entry
 from footopt.report.progress import report_generations
-from footopt.studies import ranks
+from footopt.studies import laws
 from footopt.studies.build import make_problem
 from footopt.studies.effects import choose_effects
 from footopt.studies.runs import Study
@@ -54,22 +55,23 @@ def run(study: Study) -> Any:
     walk = simulate(best, scene, finer)
     entry, diagnostics = judged(study, walk, flat, problem.record, chosen)
     values, base, errors = (entry[name] for name in ("objectives", "flat", "error_estimate"))
-    finalists, changes = result.k[confirmed.designs[: options.finalists]], []
-    if study.wants_report and options.confirm:
-        with study.compiling("a walk for each law"):
-            flat_k = np.full(problem.space.n, problem.space.K)
-            changes = ranks.rank_changes(problem.at(finer), finalists, flat_k, config.sand.spread)
+    under = (
+        laws.evaluated(study, problem, result, confirmed) if study.wants_report and options.confirm else None
+    )
+    printed = None if under is None or options.laws is None else under.steadiest
 
     if study.wants_report:
         files.write_csv(study.folder / "designs.csv", result.columns)
     if study.wants_figures:
         _draw(study, result, confirmed.designs[:LEADERS], base)
     notes = write_walk(study, walk, {"best": walk, "flat": flat})
+    if under is not None and printed is not None:
+        write_all(laws.to_print(problem, under.k[printed]), study.folder, config.foot.block, "to_print")
     record = study.write_result(
         {
             "design": foot_entry(best),
             **entry,
-            "ranks": ranks.entry(changes),
+            **({} if under is None else laws.entry(problem, under, printed)),
             "gain_shares": gain_shares(values, base),
             **_search_entry(result, confirmed, options.finalists),
             "certificate": certificate and {"says": str(certificate), **asdict(certificate)},
@@ -88,28 +90,27 @@ def run(study: Study) -> Any:
     by_j = by == "efficiency"
     which = f"Of the front {FRONT_RULES[problem.choice.by]}" if several else "Best foot"
     sought = "efficiency" if by_j or several else by
-    under = ranks.by_objective(changes)
+    ranges = {} if under is None else under.range_of(0)
     study.say(f"{which} for {terminal.describe_scene(scene)}: {terminal.describe_foot(best)}")
+    study.say(
+        terminal.headline(sought, values[sought], base[sought], ranges),
+        terminal.gains_table(values, base, ranges, sought),
+        terminal.describe_errors(errors, values),
+        _sentence(result, confirmed, certificate),
+        *([] if under is None else laws.describe(problem, under, printed, record)),
+    )
     if options.details:
         study.say(
             terminal.describe_search(result),
             terminal.describe_confirmation(confirmed),
             *([] if certificate is None else [str(certificate)]),
-            terminal.objective_table("best", values, errors, base, by_j, ranks.turned_by(changes)),
-            *ranks.describe(changes, len(finalists)),
+            terminal.objective_table("best", values, errors, base, by_j),
             *terminal.describe_model([entry["model_error"]]),
         )
         terminal.print_validity(study.console, diagnostics)
-    else:
-        study.say(
-            terminal.headline(sought, values[sought], base[sought], under),
-            terminal.gains_table(values, base, under, sought),
-            terminal.describe_errors(errors, values, entry["model_error"]),
-            _sentence(result, confirmed, certificate),
-        )
+    elif outside := [d.name for d in diagnostics if d.outside]:
         see = " (report.html says why)" if study.wants_report else ""
-        if outside := [d.name for d in diagnostics if d.outside]:
-            terminal.warn(study.console, f"outside the tested range: {', '.join(outside)}{see}.")
+        terminal.warn(study.console, f"outside the tested range: {', '.join(outside)}{see}.")
     for words in _warnings(problem, values, base, by_j):
         terminal.warn(study.console, words)
     study.close()

@@ -308,7 +308,7 @@ BY_NAME = ("study.own", "effects.own", "constraint.own", "choose.weights", "choo
 CHANGEABLE = (
     "solver.n_gen", "solver.walks", "solver.seconds", "engine", "report", "choose", "study.confirm",
     "study.finalists", "study.store", "study.certify", "study.reuse", "study.video", "study.details",
-    "foot.block", "plugins",
+    "study.laws", "foot.block", "plugins",
 )  # fmt: skip
 
 

@@ -1,0 +1,206 @@
+"""The laws that sand may follow, feet under each of them, and the foot that loses least under the worst.
+
+No experiment tells which law is true of a foot in the sand of a beach. The laws are the scene's own, those
+with and without the leading edge and shadowing, and its own with zeta by its spread lower and higher.
+"""
+
+import math
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from footopt.design.problem import Array, FootProblem, Ints
+from footopt.design.result import SearchResult
+from footopt.design.robust import RobustProblem, regret
+from footopt.design.scenarios import Scenario, harder_and_softer, plausible_laws, scale_zeta
+from footopt.design.search import search
+from footopt.design.solvers import Solver
+from footopt.errors import FootoptError
+from footopt.walk.accuracy import PRESETS, AnyAccuracy, Tolerance
+from footopt.walk.ladder import numerics
+from footopt.walk.objectives import MEASURES, relative_change
+from footopt.walk.simulate import evaluate
+
+FIRST = 10  # soles that a search begins with, and the best of one that are kept
+LEAST = 20  # evaluations of a search under a law
+REACH, STEPS = 32.0, 20  # factor by which zeta is moved either way until the order of two feet turns; steps
+
+
+@dataclass(frozen=True, eq=False)
+class UnderLaws:
+    """Feet under every law.
+
+    Parameters
+    ----------
+    laws : tuple of Scenario
+        The scene's own first.
+    k : (feet, n)
+        Heights; the best foot by the scene's own law first, the flat sole last.
+    losses : (laws, feet)
+        Of the single objective, relative to the best of these feet under the law; infinite where a foot fails
+        or breaks a limit, and NaN under a law in which all do, or where there are several objectives.
+    changes : list of dict
+        For each law, the relative changes of recorded values from the flat sole, (feet,), by name; NaN where
+        one of the two fails.
+    """
+
+    laws: tuple[Scenario, ...]
+    k: Ints
+    losses: Array
+    changes: list[dict[str, Array]]
+
+    @property
+    def worst(self) -> Array:
+        """The loss of each foot under the law that is worst for it, (feet,)."""
+        some = np.isfinite(self.losses).any(axis=1)
+        return self.losses[some].max(axis=0) if some.any() else np.full(len(self.k), np.nan)
+
+    @property
+    def steadiest(self) -> int | None:
+        """The foot that loses least under the worst law; None if each fails under one."""
+        return int(self.worst.argmin()) if np.isfinite(self.worst).any() else None
+
+    def entry(self, foot: int) -> list[dict[str, Any]]:
+        """A foot in result.json: its loss and changes under each law, the scene's own first."""
+        return [
+            {
+                "law": law.name,
+                "loss": float(losses[foot]),
+                "change": {name: float(column[foot]) for name, column in changes.items()},
+            }
+            for law, losses, changes in zip(self.laws, self.losses, self.changes, strict=True)
+        ]
+
+    def range_of(self, foot: int) -> dict[str, list[float]]:
+        """The changes of a foot under the other laws than the scene's own, by name."""
+        return {name: [float(c[name][foot]) for c in self.changes[1:]] for name in self.changes[0]}
+
+
+def possible_laws(scene: Any, spread: float) -> tuple[Scenario, ...]:
+    """A scene as it is, under the laws that may be true instead of its own, and with another zeta.
+
+    `spread` is a standard deviation of the logarithm of zeta. There is no other law of a scene without sand.
+    """
+    own = Scenario("own law", scene)
+    if scene.sand is None:
+        return (own,)
+    others = (law for law in plausible_laws(scene) if law.scene != scene)
+    return (own, *others, *harder_and_softer(scene, spread))
+
+
+def under_laws(problem: FootProblem, laws: tuple[Scenario, ...], feet: Ints) -> UnderLaws:
+    """Evaluate feet (feet, n) under every law, the best one by the scene's own first and the flat sole last.
+
+    All are walked with the numbers that the scene's own law takes: to find other ones would take longer than
+    these walks.
+    """
+    k, name = problem.space.check(feet), problem.ranking_objective
+    numbers, violation = (
+        numerics(problem.accuracy, problem.scene, problem.space),
+        problem.space.box_violation(k),
+    )
+    losses, changes = np.full((len(laws), len(k)), np.nan), []
+    for row, law in zip(losses, laws, strict=True):
+        table = evaluate(k, law.scene, numbers, problem.record, problem.space, problem.threads)
+        relative = relative_change(table.values, table.values[-1])
+        changes.append(dict(zip(problem.record, relative.T, strict=True)))
+        kept = (problem.constraints(table.values, table.reasons, violation) <= 0.0).all(axis=1)
+        if problem.n_obj == 1 and kept.any():
+            found = table.values[:, problem.record.index(name)]
+            best = MEASURES[name].sign * (MEASURES[name].sign * found[kept]).min()
+            row[:] = np.where(kept, regret(found, best, name), np.inf)
+    return UnderLaws(laws, k, losses, changes)
+
+
+def candidates(result: SearchResult, laws: tuple[Scenario, ...], share: float, **options: Any) -> Ints:
+    """Soles (soles, n) that should lose little under every law, found from a search under the scene's own.
+
+    Each other law is searched from the finalists with `share` of the search's evaluations, and from the best
+    sole of each law a `RobustProblem` with twice as many. Both walk no finer than `draft`: what is found is
+    to be evaluated again. A law under which no foot walks is left out.
+
+    Parameters
+    ----------
+    result : SearchResult
+        Of one objective, with the scene's own law.
+    laws : tuple of Scenario
+        From `possible_laws`.
+    share : float
+        Of the evaluations of `result`.
+    **options
+        store and executor, as in `search`.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        It was interrupted.
+    """
+    problem, start = result.problem, _best(result)
+    numbers = numerics(_draft(problem.accuracy), problem.scene, problem.space)
+    walks = max(math.ceil(share * result.evaluations), LEAST)
+    common: Any = {"space": problem.space, "accuracy": numbers, "threads": problem.threads}
+    walked, references, found = [], [], [start]
+
+    def searched(p: FootProblem, begin: Ints, walks: int) -> SearchResult:
+        done = search(p, Solver(walks=walks, seed=result.solver.seed), start=begin, **options)
+        if done.interrupted:
+            raise KeyboardInterrupt("while searching the foot to print")
+        return done
+
+    for law in laws:
+        with suppress(FootoptError):  # no foot walks
+            alone = FootProblem(law.scene, problem.names, **common, limits=problem.limits)
+            best = searched(alone, start, walks)
+            walked.append(law)
+            references.append(best.column(problem.ranking_objective)[best.best])
+            found.append(best.k[[best.best]])
+    if len(walked) > 1:
+        limits = {name: limit for name, limit in problem.limits.items() if name != problem.ranking_objective}
+        together = RobustProblem(walked, problem.names, **common, references=references, limits=limits)
+        with suppress(FootoptError):  # none walks under all of them
+            found.append(_best(searched(together, np.unique(np.concatenate(found[1:]), axis=0), 2 * walks)))
+    return np.unique(np.concatenate(found), axis=0)
+
+
+def _best(result: SearchResult) -> Ints:
+    """The best soles of a search, (soles, n)."""
+    pool = np.flatnonzero(result.feasible)
+    ranked = result.problem.ranked(result.values[pool])
+    return result.k[pool[np.argsort(ranked, kind="stable")[:FIRST]]]
+
+
+def _draft(accuracy: AnyAccuracy) -> AnyAccuracy:
+    """An accuracy, but no finer than `draft`."""
+    draft = PRESETS["draft"]
+    return draft if isinstance(accuracy, Tolerance) and accuracy.error < draft.error else accuracy
+
+
+def better_zetas(problem: FootProblem, foot: Ints, flat: Ints) -> tuple[float | None, float | None] | None:
+    """Between which zetas a foot (n,) is better than the flat sole (n,), by its own law otherwise.
+
+    An end is None where it still is with `REACH` times less or more than the scene's own zeta; there are
+    none where it is no better on the scene's own sand.
+    """
+    scene: Any = problem.scene
+    numbers = numerics(_draft(problem.accuracy), scene, problem.space)
+    factors, lead = np.geomspace(1.0 / REACH, REACH, 2 * STEPS + 1), np.empty(2 * STEPS + 1)
+    for i, factor in enumerate(factors):
+        there, name = scale_zeta(scene, factor), problem.ranking_objective
+        table = evaluate(np.stack([foot, flat]), there, numbers, (name,), problem.space, problem.threads)
+        lead[i] = -regret(table.values[0], table.values[1], name)[0] if table.feasible.all() else -np.inf
+    if not lead[STEPS] > 0.0:
+        return None
+
+    def turn(step: int) -> float | None:
+        """Where the lead is nothing: in proportion between the last step with one and the first without."""
+        at = STEPS
+        while lead[at] > 0.0:
+            at += step
+            if not 0 <= at < len(lead):
+                return None
+        share = lead[at - step] / (lead[at - step] - lead[at])
+        return float(scene.sand.zeta * factors[at - step] * (factors[at] / factors[at - step]) ** share)
+
+    return turn(-1), turn(1)
