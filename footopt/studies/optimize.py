@@ -55,9 +55,8 @@ def run(study: Study) -> Any:
     walk = simulate(best, scene, finer)
     entry, diagnostics = judged(study, walk, flat, problem.record, chosen)
     values, base, errors = (entry[name] for name in ("objectives", "flat", "error_estimate"))
-    under = (
-        laws.evaluated(study, problem, result, confirmed) if study.wants_report and options.confirm else None
-    )
+    walked = study.wants_report and options.confirm
+    under = laws.evaluated(study, result, confirmed) if walked else None
     printed = None if under is None or options.laws is None else under.steadiest
 
     if study.wants_report:
