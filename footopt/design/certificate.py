@@ -119,7 +119,7 @@ def certified(
         steps += 1
         best = close[[f.argmin()]]
         values, reasons = evaluator(best)
-        result = _joined(result, best, values, reasons)
+        result = joined(result, best, values, reasons)
         ranks = problem.ranked(result.values[result.feasible])
         count = max(finalists, int((ranks <= problem.ranked(values)[0]).sum()))  # it has to be among them
     certificate = Certificate(
@@ -151,7 +151,7 @@ def _change(result: SearchResult, confirmed: Confirmation) -> float:
     return float(change.max(initial=0.0, where=np.isfinite(change)))
 
 
-def _joined(result: SearchResult, k: Ints, values: Array, reasons: Words) -> SearchResult:
+def joined(result: SearchResult, k: Ints, values: Array, reasons: Words) -> SearchResult:
     """A search with one design more (1, n), as if its last generation had found it."""
     if (result.k == k).all(axis=1).any():
         return result

@@ -30,7 +30,7 @@ const ranking = columnOf(data.ranking_objective ?? "efficiency") ?? COLUMNS[0];
 /** A design's number is its row in designs.csv, from 0. */
 const numbers = data.designs.rows && unpack(data.designs.rows);
 const BEST = { efficiency: "best in J_W", weights: "best by weights", limits: "best within limits" }[data.choice] ?? data.choice ?? "best";
-const label = (i) => i === DRAWN ? "drawn here" : data.designs.labels ? data.designs.labels[i] : `design ${numbers[i]}${i === data.best ? `, the ${BEST}` : ""}`;
+const label = (i) => i === DRAWN ? "drawn here" : data.designs.labels ? data.designs.labels[i] : `design ${numbers[i]}${i === data.best ? `, the ${BEST}` : i === data.printed ? ", the foot to print" : ""}`;
 
 /** A limit as short as it is shown. */
 const rounded = (v) => (Number.isFinite(v) ? +v.toPrecision(5) : v);

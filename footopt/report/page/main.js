@@ -21,8 +21,8 @@ function change(value, base, column) {
 const valueOf = (i, c) => (i === data.best && data.bestValues ? data.bestValues[c] : values[i * WIDTH + c]);
 
 /** Relative changes of the best design against the flat foot under other sand laws. */
-const underLaws = (i, name) => (i === data.best ? entry.ranks?.laws ?? [] : []).map((law) => ({ law: law.law, share: law.change?.[name] }))
-  .filter(({ share }) => Number.isFinite(share ?? NaN));
+const underLaws = (i, name) => ((i === data.best ? entry.laws : i === data.printed && entry.to_print.laws) || []).slice(1)
+  .map((law) => ({ law: law.law, share: law.change?.[name] })).filter(({ share }) => Number.isFinite(share ?? NaN));
 const doubtful = (share, under) => under.some((u) => u.share * share < 0) ? ", sign not certain" : "";
 
 /** Bars of change against the flat foot, with error ticks and circles under other sand laws. */
@@ -93,10 +93,12 @@ function designSection() {
     el("div", { class: "grid wide" },
       el("div", {}, el("figure", {}, drawing), words, step?.figure ?? null),
       el("div", {}, numbers, exact, el("div", { class: "bar" }, "Download it as", ...buttons, back), tools.section)));
-  function model() {
-    const errors = chosen === data.best && Object.entries(entry.model_error ?? {}).filter(([, error]) => Number.isFinite(error ?? NaN));
-    return errors?.length ? el("p", { id: "model-error", class: "note" }, "Model error, from experiments on sand and the spread of zeta: ",
-      errors.map(([name, error]) => `${name.replaceAll("_", " ")} ${error >= 0.1 ? `${(100 * error).toFixed(0)} %` : percent(error)}`).join(", "), ". Compare feet; do not read the values as measurements.") : "";
+  function toPrint() {
+    if (typeof data.printed !== "number") return "";
+    const { worst_loss: loss, worst_loss_of_best: other } = entry.to_print, own = data.printed === data.best;
+    const which = own || chosen === data.printed ? "this sole" : el("button", { type: "button", id: "show-printed", click: () => choose(data.printed) }, "another sole");
+    return chosen === data.best || chosen === data.printed ? el("p", { id: "to-print" }, el("strong", {}, "To print: "), which,
+      `. It loses at most ${percent(loss)} to the best one known under each law of sand`, own ? "." : `; the best one by the run's own law loses ${percent(other)}.`) : "";
   }
   function redraw() {
     const points = sole(chosen), k = heights(chosen), best = chosen === data.best, flat = data.walks && flatWalk(), same = flat && isFlat(points);
@@ -112,9 +114,9 @@ function designSection() {
     const compared = entry.flat && feasible[chosen] && !flat?.reason && !same;
     exact.hidden = !compared;
     numbers.replaceChildren(...(compared
-      ? [gain(chosen), bars(chosen, Math.max(widthOf(numbers), 250)), el("p", { class: "note" }, "Solid: better than the flat foot; dashed: worse. Error ticks: the numerical error.",
-        best && entry.ranks?.laws?.some((law) => law.change) ? " Circles: the result under other sand laws." : "", ` ${accuracy}`, gain(chosen) && "J_W, which the paper minimises: −distance × mean height / (work × peak power × speed loss)."), model()]
-      : [scrolled("Values", valueTable(chosen, same ? null : entry.flat)), el("p", { class: "note" }, accuracy), model()]));
+      ? [gain(chosen), toPrint(), bars(chosen, Math.max(widthOf(numbers), 250)), el("p", { class: "note" }, "Solid: better than the flat foot; dashed: worse. Error ticks: the numerical error.",
+        underLaws(chosen, data.columns[0].name).length ? " Circles: the result under other sand laws." : "", ` ${accuracy}`, gain(chosen) && "J_W, which the paper minimises: −distance × mean height / (work × peak power × speed loss).")]
+      : [scrolled("Values", valueTable(chosen, same ? null : entry.flat)), el("p", { class: "note" }, accuracy)]));
     exact.refresh();
     tools.redraw();
     step?.redraw();

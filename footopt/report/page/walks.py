@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.design import EXHAUSTIVE, Confirmation, SearchResult
+from footopt.design.certificate import joined
 from footopt.design.result import SHOWN
 from footopt.foot import Foot, Waypoints
 from footopt.report.numbers import sand_title, title
@@ -59,15 +60,20 @@ def search_content(
 ) -> dict[str, Any]:
     """The page of a search, with the walks of its best design and of the flat sole.
 
-    It holds `SHOWN` designs at most: the front, and an even selection of the others. `entry` is the run's
-    result.json.
+    It holds `SHOWN` designs at most: the front, the foot to print, and an even selection of the others.
+    `entry` is the run's result.json.
     """
     problem, chosen, several = result.problem, int(confirmed.designs[0]), result.problem.n_obj > 1
+    search, printed = describe_search(result), []
+    if entry.get("to_print"):
+        k = np.array([entry["to_print"]["k"]])
+        result = joined(result, k, *problem.walk(k))
+        printed = np.flatnonzero((result.k == k).all(axis=1)).tolist()
     exact = result.solver.name == EXHAUSTIVE
     others = np.setdiff1d(np.arange(result.designs), result.shown)
     room = min(SHOWN - len(result.shown), len(others))
     even = others[np.linspace(0, len(others) - 1, room).astype(int)]
-    rows = np.union1d(result.shown, [*even, chosen])
+    rows = np.union1d(result.shown, [*even, chosen, *printed])
     reasons, codes = np.unique(result.reasons[rows], return_inverse=True)
     certificate = entry.get("certificate")
     kind = "A hollow foot" if best.foot.hollow >= HOLLOW else "A foot without a hollow"
@@ -76,7 +82,7 @@ def search_content(
         "title": f"{kind} for {sand_title(best.world.sand)}",
         "headline": [
             f"Soles for {', '.join(map(title, problem.names))} on {describe_scene(problem.scene)}",
-            describe_search(result),
+            search,
             describe_confirmation(confirmed),
             *([certificate["says"]] if certificate else []),
             *([f"{len(rows)} of the designs are on this page"] if len(rows) < result.designs else []),
@@ -97,6 +103,7 @@ def search_content(
         "top": problem.space.top,
         "best": int(np.searchsorted(rows, chosen)),
         "bestValues": confirmed.values[0],
+        "printed": int(np.searchsorted(rows, printed[0])) if printed else None,
         "front": packed(np.searchsorted(rows, result.shown if several else [])),
         "walks": [_traces(best, "best", int(np.searchsorted(rows, chosen))), _traces(flat, "flat")],
         "history": [] if exact else [

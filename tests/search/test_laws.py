@@ -1,0 +1,107 @@
+"""Feet under every law that sand may follow, and the one to print: it loses least under the worst of them."""
+
+import numpy as np
+import pytest
+from searching import QUICK, SMALL
+
+import footopt as fo
+from footopt.design.laws import better_zetas, candidates, possible_laws, under_laws
+from footopt.report import terminal
+from footopt.walk import OBJECTIVES
+
+LAWS = possible_laws(fo.Scene(), 0.3)
+FLAT = np.full(SMALL.n, SMALL.K)
+EVERY = np.indices((SMALL.K,) * SMALL.n).reshape(SMALL.n, -1).T + 1
+EVERY = EVERY[SMALL.inside(EVERY)]
+
+
+def j_w(feet, scene):
+    return fo.evaluate(feet, scene, QUICK, ("efficiency",), SMALL).values[:, 0]
+
+
+def worst_losses():
+    """Of all soles of the space, by walking each under each law."""
+    j = np.stack([j_w(EVERY, law.scene) for law in LAWS])
+    best = np.nanmin(j, axis=1, keepdims=True)
+    return np.nanmax((j - best) / np.abs(best), axis=0)
+
+
+def test_the_laws_are_the_scene_s_own_and_each_other_one_once():
+    names = ["own law", "leading edge", "shadowing", "both", "zeta x 0.74", "zeta x 1.3"]
+    assert [law.name for law in LAWS] == names
+    under_edge = possible_laws(fo.Scene(effects=(fo.LeadingEdge(), fo.Inertia())), 0.0)
+    assert [law.name for law in under_edge] == ["own law", "plain law", "shadowing", "both"]
+    assert all(fo.Inertia() in law.scene.effects for law in under_edge)
+
+
+def test_losses_and_changes_are_those_of_the_walks():
+    problem = fo.FootProblem(fo.Scene(), "efficiency", SMALL, QUICK)
+    feet = np.concatenate([SMALL.random(5, seed=2, inside=True), FLAT[None]])
+    under = under_laws(problem, LAWS, feet)
+    for law, losses, changes in zip(LAWS, under.losses, under.changes, strict=True):
+        values = fo.evaluate(feet, law.scene, QUICK, ("efficiency", "work"), SMALL).values
+        np.testing.assert_allclose(losses, 1.0 - values[:, 0] / values[:, 0].min())
+        np.testing.assert_allclose(changes["work"], values[:, 1] / values[-1, 1] - 1.0)
+    np.testing.assert_array_equal(under.worst, under.losses.max(axis=0))
+    assert under.worst[under.steadiest] == under.worst.min()
+
+
+def test_the_foot_to_print_is_the_one_that_loses_least_of_all_soles():
+    worst = worst_losses()
+    result = fo.search(fo.FootProblem(fo.Scene(), "efficiency", SMALL, QUICK), "exhaustive")
+    feet = np.concatenate([result.k[[result.best]], candidates(result, LAWS, 0.5), FLAT[None]])
+    under = under_laws(result.problem, LAWS, feet)
+    assert under.worst[under.steadiest] == pytest.approx(worst.min())
+    assert under.worst[under.steadiest] < under.worst[0]
+
+
+def test_a_foot_to_print_keeps_the_limits_under_every_law():
+    limit = {"peak_power": 260.0}
+    result = fo.search(fo.FootProblem(fo.Scene(), "efficiency", SMALL, QUICK, limits=limit), "exhaustive")
+    under = under_laws(result.problem, LAWS, np.concatenate([candidates(result, LAWS, 0.5), FLAT[None]]))
+    chosen = under.k[[under.steadiest]]
+    for law in LAWS:
+        assert fo.evaluate(chosen, law.scene, QUICK, ("peak_power",), SMALL).values[0, 0] <= 260.0
+
+
+def test_a_law_under_which_no_foot_walks_is_left_out():
+    sinking = [fo.Scenario("quicksand", fo.Scene(sand=fo.Sand(1e-3)))]
+    problem = fo.FootProblem(fo.Scene(), "efficiency", SMALL, QUICK)
+    result = fo.search(problem, walks=40)
+    feet = candidates(result, (*LAWS[:2], *sinking), 0.5)
+    under = under_laws(problem, (*LAWS[:2], *sinking), feet)
+    assert np.isnan(under.losses[2]).all()
+    assert np.isfinite(under.worst[under.steadiest])
+
+
+def test_candidates_are_kept_in_a_store_and_the_same_when_read_from_it(tmp_path):
+    result = fo.search(fo.FootProblem(fo.Scene(), "efficiency", SMALL, QUICK), walks=40)
+    first, again = (candidates(result, LAWS[:3], 0.5, store=tmp_path / "s.sqlite") for _ in range(2))
+    np.testing.assert_array_equal(first, again)
+    np.testing.assert_array_equal(first, candidates(result, LAWS[:3], 0.5))
+
+
+def test_the_zeta_from_which_a_foot_is_better_than_the_flat_one_is_where_both_are_equal():
+    problem = fo.FootProblem(fo.Scene(sand=fo.Sand(5.0)), "efficiency")
+    foot, flat = np.array([2, 6, 6, 2, 1, 1, 1, 1, 3, 4, 1]), np.full(11, 10)
+    low, high = better_zetas(problem, foot, flat)
+    assert high is None
+    for zeta, better in ((0.9 * low, False), (1.1 * low, True)):
+        values = fo.evaluate([foot, flat], fo.Scene(sand=fo.Sand(zeta)), objectives=("efficiency",)).values[
+            :, 0
+        ]
+        assert (values[0] < values[1]) == better
+    assert better_zetas(problem, flat, foot) is None
+
+
+def test_a_change_is_told_with_its_range_under_other_laws_and_whether_its_sign_is_certain():
+    flat = dict.fromkeys(OBJECTIVES, 100.0) | {"efficiency": -1.0}
+    values = flat | {"efficiency": -2.0, "work": 110.0}
+    under = {name: [0.0, 0.0] for name in values} | {"efficiency": [0.5, 0.75], "work": [-0.02, 0.3, np.nan]}
+    assert terminal.headline("efficiency", -2.0, -1.0, under).startswith("J_W x 2.00")
+    assert "x 1.50 to 1.75 under 2 other laws" in terminal.headline("efficiency", -2.0, -1.0, under)
+    shown = terminal.gains_table(values, flat, under, "efficiency")
+    rows = [*zip(*(column.cells for column in shown.columns), strict=True)]
+    assert ("-2 to +30 %", "sign not certain") in [row[-2:] for row in rows]
+    assert "efficiency" not in [row[0] for row in rows]
+    assert terminal.doubtful(0.1, [0.2, 0.01]) == ""
