@@ -146,9 +146,14 @@ def doubtful(own: float, changes: Sequence[float]) -> str:
     return "sign not certain" if any(own * c < 0.0 for c in changes) else ""
 
 
+def short_title(name: str) -> str:
+    """The name of an objective, of the efficiency its symbol alone."""
+    return "J_W" if name == "efficiency" else title(name)
+
+
 def headline(by: str, value: float, flat: float, under: Mapping[str, Sequence[float]]) -> str:
     """What the best foot gains over the flat one, and by how much under other laws."""
-    laws, name = under.get(by, ()), "J_W" if by == "efficiency" else title(by)
+    laws, name = under.get(by, ()), short_title(by)
     told = f"; {span(by, laws)} under {len(laws)} other laws of sand" if laws else ""
     doubt = doubtful(value / flat - 1.0, laws) if flat else ""
     return f"{name} {change(by, value, flat)} against a flat foot{told}{doubt and f', {doubt}'}."

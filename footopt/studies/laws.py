@@ -9,7 +9,7 @@ from footopt.design import Confirmation, FootProblem, SearchResult
 from footopt.design.laws import REACH, UnderLaws, better_zetas, candidates, possible_laws, under_laws
 from footopt.foot import Foot
 from footopt.report import terminal
-from footopt.report.numbers import percent
+from footopt.report.numbers import change, percent
 from footopt.report.output import foot_entry
 from footopt.studies.runs import Study
 
@@ -19,13 +19,13 @@ def evaluated(study: Study, result: SearchResult, confirmed: Confirmation) -> Un
     problem, options = result.problem, study.options
     laws = possible_laws(problem.scene, study.config.sand.spread)
     feet = [result.k[confirmed.designs[: options.finalists]]]
+    if options.laws is not None and len(laws) > 1 and problem.n_obj == 1 and not result.interrupted:
+        study.say(f"Searching the foot to print, which loses least under the worst of {len(laws)} laws")
+        with study.executor() as executor:
+            store = options.store or study.folder / "designs.sqlite"
+            feet.append(candidates(result, laws, options.laws, store=store, executor=executor))
+    feet.append(np.full((1, problem.space.n), problem.space.K))
     with study.compiling("a walk for each law"):
-        if options.laws is not None and len(laws) > 1 and problem.n_obj == 1 and not result.interrupted:
-            study.say(f"Searching the foot to print, which loses least under the worst of {len(laws)} laws")
-            with study.executor() as executor:
-                store = options.store or study.folder / "designs.sqlite"
-                feet.append(candidates(result, laws, options.laws, store=store, executor=executor))
-        feet.append(np.full((1, problem.space.n), problem.space.K))
         return under_laws(problem.at(study.finer_accuracy), laws, np.concatenate(feet))
 
 
@@ -52,27 +52,25 @@ def entry(problem: FootProblem, under: UnderLaws, printed: int | None) -> dict[s
     return found | {"to_print": foot}
 
 
-def describe(
-    problem: FootProblem, under: UnderLaws, printed: int | None, record: dict[str, Any]
-) -> list[str]:
-    """How sure it is that the best foot is better than the flat one, and the foot to print."""
+def describe_rank(problem: FootProblem, under: UnderLaws, better: Any) -> str:
+    """Under how many laws, and at which zetas, the best foot is better than the flat one, with a space."""
     if problem.n_obj > 1 or len(under.laws) < 2:
-        return []
-    name = problem.ranking_objective
-    better = sum(int(losses[0] < losses[-1]) for losses in under.losses)
-    where = _zetas(problem, record["better_than_flat_zeta"])
-    told = [f"It is better than the flat foot under {better} of {len(under.laws)} laws{where}."]
-    if printed is None:
-        return told
+        return ""
+    count = sum(int(losses[0] < losses[-1]) for losses in under.losses)
+    return f"Better than flat under {count} of {len(under.laws)} laws{_zetas(problem, better)}. "
+
+
+def describe_printed(problem: FootProblem, under: UnderLaws, printed: int) -> list[str]:
+    """The foot to print, in two lines; in one if it is the best one."""
     best, most = (percent(under.worst[i]) for i in (0, printed))
     if printed == 0:
-        return [*told, f"To print: this foot. It loses at most {most} to the best one known under each law."]
-    foot, changes = to_print(problem, under.k[printed]), under.entry(printed)[0]["change"]
-    gain = terminal.headline(name, 1.0 + changes[name], 1.0, under.range_of(printed))
+        return [f"To print: this foot. It loses at most {most} to the best one known under each law."]
+    name = problem.ranking_objective
+    own, *others = (law["change"][name] for law in under.entry(printed))
+    gain = f"{terminal.short_title(name)} {change(name, 1.0 + own, 1.0)} ({terminal.span(name, others)})"
     return [
-        *told,
-        f"To print: {terminal.describe_foot(foot)}; {gain}",
-        f"It loses at most {most} to the best foot known under each law; the one above loses {best}.",
+        f"To print: {terminal.describe_foot(to_print(problem, under.k[printed]))}",
+        f"{gain}; loses at most {most} under any law, the foot above {best}.",
     ]
 
 
@@ -83,9 +81,7 @@ def _zetas(problem: FootProblem, better: tuple[float | None, float | None] | Non
     scene: Any = problem.scene
     low, high = (end and f"{end:.2g}" for end in better)
     if low and high:
-        where = f"from zeta {low} to {high}"
-    elif low or high:
-        where = f"from zeta {low} on" if low else f"up to zeta {high}"
-    else:
-        where = f"at every zeta from {scene.sand.zeta / REACH:.2g} to {scene.sand.zeta * REACH:.2g}"
-    return f", and by its own law {where}"
+        return f", from zeta {low} to {high}"
+    if low or high:
+        return f", from zeta {low} on" if low else f", up to zeta {high}"
+    return f", at every zeta from {scene.sand.zeta / REACH:.2g} to {scene.sand.zeta * REACH:.2g}"
