@@ -2,7 +2,7 @@
 
 `python benchmarks/to_print.py [SCENES]` takes the paper's three sands, and so many scenes of `solvers.py`. In
 each the default search is followed by the one for the foot to print. To compare, the best foot of each law is
-found by two searches of 5,000 walks, and the robust one by two more, all at `standard`. Printed are the largest
+found by two searches of 5,000 walks, and the robust one by two more, all at `standard`. It prints the largest
 losses (%) of the best foot by the scene's own law, of the foot to print and of the robust one, and the time of
 the second search over the first's.
 """
@@ -15,8 +15,8 @@ import numpy as np
 from solvers import draw
 
 import footopt as fo
-from footopt.design import FootProblem, RobustProblem, confirm, search
-from footopt.design.laws import candidates, possible_laws, under_laws
+from footopt.design import FootProblem, RobustProblem, confirm, search, under_laws
+from footopt.design.laws import compare, possible_laws
 from footopt.design.scenarios import sands
 from footopt.walk.ladder import numerics
 
@@ -31,11 +31,9 @@ def judged(name: str, given: FootProblem) -> tuple[float, float, float, float]:
     begin = time.process_time()
     result = search(problem, seed=1)
     first = time.process_time()
-    finalists = result.k[confirm(result, "fine").designs]
+    confirmed = confirm(result, "fine")
     chosen = time.process_time()
-    more = candidates(result, laws, 0.05)
-    under = under_laws(problem.at(numbers), laws, np.concatenate([finalists, more, flat]))
-    print_k = under.k[[under.steadiest or 0]]
+    under = under_laws(result, confirmed)
     spent = (time.process_time() - chosen) / (first - begin)
 
     specialists, references = [], []
@@ -47,8 +45,8 @@ def judged(name: str, given: FootProblem) -> tuple[float, float, float, float]:
     robust: Any = RobustProblem(laws, "efficiency", space, numbers, references=references)
     start = np.unique(specialists[::2], axis=0)
     longer = [r.k[r.best] for r in (search(robust, walks=LONG, seed=seed, start=start) for seed in (1, 2))]
-    feet = np.array([finalists[0], *print_k, *longer, *specialists, *flat])
-    every = under_laws(problem.at(numbers), laws, feet)
+    feet = np.array([under.k[0], under.k[under.steadiest or 0], *longer, *specialists, *flat])
+    every = compare(problem.at(numbers), laws, feet)
     best, to_print, *others = every.worst[:4]
     print(
         f"{name:12} {100 * best:7.1f} {100 * to_print:7.2f} {100 * min(others):7.2f} {spent:7.2f}", flush=True

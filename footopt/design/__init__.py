@@ -6,6 +6,7 @@ pymoo's algorithms take a third of a second to import: nothing here imports them
 from footopt.design.archive import Evaluator
 from footopt.design.executor import ENGINES, make_executor
 from footopt.design.fronts import FRONT_RULES, Choice
+from footopt.design.laws import UnderLaws, under_laws
 from footopt.design.problem import Evaluated, FootProblem
 from footopt.design.result import Confirmation, Generation, SearchResult, confirm
 from footopt.design.robust import RobustProblem, own_best
@@ -17,6 +18,6 @@ from footopt.design.store import Evaluation, Store
 __all__ = [
     "AUTO", "ENGINES", "EXHAUSTIVE", "FRONT_RULES", "SINGLE", "SOLVERS", "WALKS", "Choice",
     "Confirmation", "Evaluated", "Evaluation", "Evaluator", "FootProblem", "Generation", "RobustProblem",
-    "Scenario", "SearchResult", "Solver", "Spread", "Store", "confirm", "draw", "make_executor",
-    "own_best", "search",
+    "Scenario", "SearchResult", "Solver", "Spread", "Store", "UnderLaws", "confirm", "draw", "make_executor",
+    "own_best", "search", "under_laws",
 ]  # fmt: skip

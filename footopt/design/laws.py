@@ -1,4 +1,4 @@
-"""The laws that sand may follow, feet under each of them, and the foot that loses least under the worst.
+"""`under_laws`: feet under each law that sand may follow, and the foot that loses least under the worst.
 
 No experiment tells which law is true of a foot in the sand of a beach. The laws are the scene's own, those
 with and without the leading edge and shadowing, and its own with zeta by its spread lower and higher.
@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from footopt.design.problem import Array, FootProblem, Ints
-from footopt.design.result import SearchResult
+from footopt.design.result import Confirmation, SearchResult
 from footopt.design.robust import RobustProblem, regret
-from footopt.design.scenarios import Scenario, harder_and_softer, plausible_laws, scale_zeta
+from footopt.design.scenarios import Scenario, Spread, harder_and_softer, plausible_laws, scale_zeta
 from footopt.design.search import search
 from footopt.design.solvers import Solver
 from footopt.errors import FootoptError
@@ -90,7 +90,41 @@ def possible_laws(scene: Any, spread: float) -> tuple[Scenario, ...]:
     return (own, *others, *harder_and_softer(scene, spread))
 
 
-def under_laws(problem: FootProblem, laws: tuple[Scenario, ...], feet: Ints) -> UnderLaws:
+def under_laws(
+    result: SearchResult,
+    confirmed: Confirmation,
+    spread: float = Spread.zeta,
+    share: float | None = 0.05,
+    finalists: int = 20,
+    **options: Any,
+) -> UnderLaws:
+    """The finalists of a search, soles that should lose little under every law, and the flat one, under each.
+
+    Parameters
+    ----------
+    result : SearchResult
+        Under the scene's own law.
+    confirmed : Confirmation
+        Of it; its accuracy is that of the walks.
+    spread : float
+        A standard deviation of the logarithm of zeta.
+    share : float, optional
+        Of the search's evaluations, for a search under each law (`candidates`). Without it, and where there
+        are several objectives or no other law, there are only the finalists and the flat sole.
+    finalists : int
+        How many at most.
+    **options
+        store and executor, as in `search`.
+    """
+    problem = result.problem
+    laws, feet = possible_laws(problem.scene, spread), [result.k[confirmed.designs[:finalists]]]
+    if share is not None and len(laws) > 1 and problem.n_obj == 1:
+        feet.append(candidates(result, laws, share, **options))
+    feet.append(np.full((1, problem.space.n), problem.space.K))
+    return compare(problem.at(confirmed.accuracy), laws, np.concatenate(feet))
+
+
+def compare(problem: FootProblem, laws: tuple[Scenario, ...], feet: Ints) -> UnderLaws:
     """Evaluate feet (feet, n) under every law, the best one by the scene's own first and the flat sole last.
 
     All are walked with the numbers that the scene's own law takes: to find other ones would take longer than

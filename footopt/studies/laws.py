@@ -3,10 +3,8 @@
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
 from footopt.design import Confirmation, FootProblem, SearchResult
-from footopt.design.laws import REACH, UnderLaws, better_zetas, candidates, possible_laws, under_laws
+from footopt.design.laws import REACH, UnderLaws, better_zetas, under_laws
 from footopt.foot import Foot
 from footopt.report import terminal
 from footopt.report.numbers import change, percent
@@ -16,17 +14,13 @@ from footopt.studies.runs import Study
 
 def evaluated(study: Study, result: SearchResult, confirmed: Confirmation) -> UnderLaws:
     """The finalists, soles that should lose little under every law, and the flat one, under every law."""
-    problem, options = result.problem, study.options
-    laws = possible_laws(problem.scene, study.config.sand.spread)
-    feet = [result.k[confirmed.designs[: options.finalists]]]
-    if options.laws is not None and len(laws) > 1 and problem.n_obj == 1 and not result.interrupted:
-        study.say(f"Searching the foot to print, which loses least under the worst of {len(laws)} laws")
-        with study.executor() as executor:
-            store = options.store or study.folder / "designs.sqlite"
-            feet.append(candidates(result, laws, options.laws, store=store, executor=executor))
-    feet.append(np.full((1, problem.space.n), problem.space.K))
-    with study.compiling("a walk for each law"):
-        return under_laws(problem.at(study.finer_accuracy), laws, np.concatenate(feet))
+    options, share = study.options, None if result.interrupted else study.options.laws
+    if share is not None and result.problem.n_obj == 1:
+        study.say("Searching the foot to print, which loses least under the worst law")
+    store = options.store or study.folder / "designs.sqlite"
+    with study.executor() as executor, study.compiling("a walk for each law"):
+        spread, count = study.config.sand.spread, options.finalists
+        return under_laws(result, confirmed, spread, share, count, store=store, executor=executor)
 
 
 def to_print(problem: FootProblem, k: Any) -> Foot:

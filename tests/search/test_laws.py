@@ -5,7 +5,7 @@ import pytest
 from searching import QUICK, SMALL
 
 import footopt as fo
-from footopt.design.laws import better_zetas, candidates, possible_laws, under_laws
+from footopt.design.laws import better_zetas, candidates, compare, possible_laws
 from footopt.report import terminal
 from footopt.walk import OBJECTIVES
 
@@ -37,7 +37,7 @@ def test_the_laws_are_the_scene_s_own_and_each_other_one_once():
 def test_losses_and_changes_are_those_of_the_walks():
     problem = fo.FootProblem(fo.Scene(), "efficiency", SMALL, QUICK)
     feet = np.concatenate([SMALL.random(5, seed=2, inside=True), FLAT[None]])
-    under = under_laws(problem, LAWS, feet)
+    under = compare(problem, LAWS, feet)
     for law, losses, changes in zip(LAWS, under.losses, under.changes, strict=True):
         values = fo.evaluate(feet, law.scene, QUICK, ("efficiency", "work"), SMALL).values
         np.testing.assert_allclose(losses, 1.0 - values[:, 0] / values[:, 0].min())
@@ -49,8 +49,7 @@ def test_losses_and_changes_are_those_of_the_walks():
 def test_the_foot_to_print_is_the_one_that_loses_least_of_all_soles():
     worst = worst_losses()
     result = fo.search(fo.FootProblem(fo.Scene(), "efficiency", SMALL, QUICK), "exhaustive")
-    feet = np.concatenate([result.k[[result.best]], candidates(result, LAWS, 0.5), FLAT[None]])
-    under = under_laws(result.problem, LAWS, feet)
+    under = fo.design.under_laws(result, fo.design.confirm(result, QUICK, 1), share=0.5)
     assert under.worst[under.steadiest] == pytest.approx(worst.min())
     assert under.worst[under.steadiest] < under.worst[0]
 
@@ -58,7 +57,7 @@ def test_the_foot_to_print_is_the_one_that_loses_least_of_all_soles():
 def test_a_foot_to_print_keeps_the_limits_under_every_law():
     limit = {"peak_power": 260.0}
     result = fo.search(fo.FootProblem(fo.Scene(), "efficiency", SMALL, QUICK, limits=limit), "exhaustive")
-    under = under_laws(result.problem, LAWS, np.concatenate([candidates(result, LAWS, 0.5), FLAT[None]]))
+    under = compare(result.problem, LAWS, np.concatenate([candidates(result, LAWS, 0.5), FLAT[None]]))
     chosen = under.k[[under.steadiest]]
     for law in LAWS:
         assert fo.evaluate(chosen, law.scene, QUICK, ("peak_power",), SMALL).values[0, 0] <= 260.0
@@ -69,7 +68,7 @@ def test_a_law_under_which_no_foot_walks_is_left_out():
     problem = fo.FootProblem(fo.Scene(), "efficiency", SMALL, QUICK)
     result = fo.search(problem, walks=40)
     feet = candidates(result, (*LAWS[:2], *sinking), 0.5)
-    under = under_laws(problem, (*LAWS[:2], *sinking), feet)
+    under = compare(problem, (*LAWS[:2], *sinking), feet)
     assert np.isnan(under.losses[2]).all()
     assert np.isfinite(under.worst[under.steadiest])
 
