@@ -3,8 +3,8 @@
 `python benchmarks/to_print.py [SCENES]` takes the paper's three sands, and so many scenes of `solvers.py`. In
 each the default search is followed by the one for the foot to print. To compare, the best foot of each law is
 found by two searches of 5,000 walks, and the robust one by two more, all at `standard`. It prints the largest
-losses (%) of the best foot by the scene's own law, of the foot to print and of the robust one, and the time of
-the second search over the first's.
+losses (%) of the best foot by the scene's own law, of the foot to print and of the robust one, and the time
+of the second search over the first's.
 """
 
 import sys
