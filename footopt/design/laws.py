@@ -151,9 +151,10 @@ def compare(problem: FootProblem, laws: tuple[Scenario, ...], feet: Ints) -> Und
 def candidates(result: SearchResult, laws: tuple[Scenario, ...], share: float, **options: Any) -> Ints:
     """Soles (soles, n) that should lose little under every law, found from a search under the scene's own.
 
-    Each other law is searched from the finalists with `share` of the search's evaluations, and from the best
-    sole of each law a `RobustProblem` with twice as many. Both walk no finer than `draft`: what is found is
-    to be evaluated again. A law under which no foot walks is left out.
+    Each law in turn is searched with `share` of the search's evaluations, from the best soles of the laws
+    before it and from finalists; then, from the best sole of each law, a `RobustProblem` with twice as many.
+    They walk no finer than `draft`: what is found is to be evaluated again. A law under which no foot walks is
+    left out.
 
     Parameters
     ----------
@@ -172,13 +173,14 @@ def candidates(result: SearchResult, laws: tuple[Scenario, ...], share: float, *
         It was interrupted.
     """
     problem, start = result.problem, _best(result)
-    numbers = numerics(_draft(problem.accuracy), problem.scene, problem.space)
+    numbers = numerics(drafted(problem.accuracy), problem.scene, problem.space)
     walks = max(math.ceil(share * result.evaluations), LEAST)
     common: Any = {"space": problem.space, "accuracy": numbers, "threads": problem.threads}
     walked, references, found = [], [], [start]
 
     def searched(p: FootProblem, begin: Ints, walks: int) -> SearchResult:
-        done = search(p, Solver(walks=walks, seed=result.solver.seed), start=begin, **options)
+        different = list(dict.fromkeys(map(tuple, begin.tolist())))[:FIRST]
+        done = search(p, Solver(walks=walks, seed=result.solver.seed), start=different, **options)
         if done.interrupted:
             raise KeyboardInterrupt("while searching the foot to print")
         return done
@@ -186,7 +188,7 @@ def candidates(result: SearchResult, laws: tuple[Scenario, ...], share: float, *
     for law in laws:
         with suppress(FootoptError):  # no foot walks
             alone = FootProblem(law.scene, problem.names, **common, limits=problem.limits)
-            best = searched(alone, start, walks)
+            best = searched(alone, np.concatenate([*found[:0:-1], start]), walks)
             walked.append(law)
             references.append(best.column(problem.ranking_objective)[best.best])
             found.append(best.k[[best.best]])
@@ -194,7 +196,7 @@ def candidates(result: SearchResult, laws: tuple[Scenario, ...], share: float, *
         limits = {name: limit for name, limit in problem.limits.items() if name != problem.ranking_objective}
         together = RobustProblem(walked, problem.names, **common, references=references, limits=limits)
         with suppress(FootoptError):  # none walks under all of them
-            found.append(_best(searched(together, np.unique(np.concatenate(found[1:]), axis=0), 2 * walks)))
+            found.append(_best(searched(together, np.concatenate(found[1:]), 2 * walks)))
     return np.unique(np.concatenate(found), axis=0)
 
 
@@ -205,8 +207,8 @@ def _best(result: SearchResult) -> Ints:
     return result.k[pool[np.argsort(ranked, kind="stable")[:FIRST]]]
 
 
-def _draft(accuracy: AnyAccuracy) -> AnyAccuracy:
-    """An accuracy, but no finer than `draft`."""
+def drafted(accuracy: AnyAccuracy) -> AnyAccuracy:
+    """An accuracy, but no finer than `draft`, for what only ranks feet."""
     draft = PRESETS["draft"]
     return draft if isinstance(accuracy, Tolerance) and accuracy.error < draft.error else accuracy
 
@@ -218,7 +220,7 @@ def better_zetas(problem: FootProblem, foot: Ints, flat: Ints) -> tuple[float | 
     none where it is no better on the scene's own sand.
     """
     scene: Any = problem.scene
-    numbers = numerics(_draft(problem.accuracy), scene, problem.space)
+    numbers = numerics(drafted(problem.accuracy), scene, problem.space)
     factors, lead = np.geomspace(1.0 / REACH, REACH, 2 * STEPS + 1), np.empty(2 * STEPS + 1)
     for i, factor in enumerate(factors):
         there, name = scale_zeta(scene, factor), problem.ranking_objective

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from rich.table import Table
 
+from footopt.design.laws import drafted
 from footopt.effects import EFFECTS, Effect, name_of
 from footopt.effects.base import parameters
 from footopt.errors import check
@@ -204,7 +205,8 @@ def choose_effects(study: Study, foot: Foot | None = None) -> tuple[Scene | Simu
     """The scene of a study with the effects that `effects=auto` chooses, or its robot.
 
     Effects from the literature are audited one after the other, each in the scene with those before it that
-    matter: inertia acts on faces that lead.
+    matter; then those that matter again, in the scene with all of them. A change is that between two walks
+    with the same numbers, which need be no finer than `draft`.
 
     Parameters
     ----------
@@ -225,13 +227,20 @@ def choose_effects(study: Study, foot: Foot | None = None) -> tuple[Scene | Simu
         return study.simulator, {"effects_audit": []}
     scene = make_scene(replace(config, effects=replace(config.effects, auto=False)))
     feet: Any = [foot] if foot else space.random(RANDOM_FEET, seed=study.config.solver.seed, inside=True)
-    limit, audits = tolerance(config), list[Audit]()
+    limit, accuracy = tolerance(config), study.accuracy
+    if foot is None:
+        accuracy = numerics(drafted(accuracy), scene, space)
+    audits: dict[str, Audit] = {}
+    given = scene.effects
     for effect in every_effect(scene):
-        if effect.literature and effect not in scene.effects:
+        if effect.literature and effect not in given:
             with study.compiling(f"a walk with {name_of(effect)}"):
-                evaluate(feet[:1], switched(effect, scene)[1], study.accuracy, space=space)
-            audits.append(audit(effect, scene, feet, study.accuracy, limit, space))
-            if audits[-1].matters:
-                scene = replace(scene, effects=(*scene.effects, effect))
-    study.say(*(f"effects=auto: {a.verdict}" for a in audits))
-    return scene, {"effects_audit": [a.entry for a in audits]}
+                evaluate(feet[:1], switched(effect, scene)[1], accuracy, space=space)
+            audits[name_of(effect)] = found = audit(effect, scene, feet, accuracy, limit, space)
+            scene = switched(effect, scene)[found.matters]
+    for name, found in audits.items():
+        if found.matters and len(scene.effects) > len(given) + 1:
+            audits[name] = again = audit(found.effect, scene, feet, accuracy, limit, space)
+            scene = switched(found.effect, scene)[again.matters]
+    study.say(*(f"effects=auto: {a.verdict}" for a in audits.values()))
+    return scene, {"effects_audit": [a.entry for a in audits.values()]}
