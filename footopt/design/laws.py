@@ -153,8 +153,8 @@ def candidates(result: SearchResult, laws: tuple[Scenario, ...], share: float, *
 
     Each law in turn is searched with `share` of the search's evaluations, from the best soles of the laws
     before it and from finalists; then, from the best sole of each law, a `RobustProblem` with twice as many.
-    They walk no finer than `draft`: what is found is to be evaluated again. A law under which no foot walks is
-    left out.
+    They walk no finer than `draft`: what is found is to be evaluated again. A law under which no foot walks
+    is left out.
 
     Parameters
     ----------
