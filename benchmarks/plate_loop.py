@@ -20,7 +20,7 @@ import footopt as fo
 from footopt.foot import as_plates
 from footopt.walk.contact import foot_force
 from footopt.walk.discretize import sole_of, world
-from footopt.walk.state import Ankle, Implicit, Part, World, plates_between
+from footopt.walk.state import Ankle, Part, World, plates_between
 
 Array = NDArray[np.float64]
 Sums = Callable[[int], Array]
@@ -63,7 +63,7 @@ def compiled(plates: int, jacobian: bool) -> Sums:
             submerged,
             law,
             MOTION[:-1],
-            Implicit(MOTION[-1], 0.0, 0.0) if jacobian else None,
+            MOTION[-1] if jacobian else None,
             repeats,
             CHANGE,
         )

@@ -71,8 +71,8 @@ def combined(a, da, b, db):
 
 @register_jitable(**DERIVATIVE)
 def placed(stage, number, by_x, by_z):
-    """A number with its derivatives by the hip's place, which follows its velocity (`stage.time`)."""
-    follows = 0.0 if stage is None else stage.time
+    """A number with its derivatives by the hip's place, which follows its velocity: by `stage`, s."""
+    follows = 0.0 if stage is None else stage
     return dual(stage, number, follows * by_x, follows * by_z)
 
 

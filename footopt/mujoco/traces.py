@@ -93,7 +93,6 @@ def traced(robot: Any, foot: Foot, accuracy: Accuracy, found: Found) -> RobotWal
         reason=found.reason,
         totals={name: found.totals.get(name, math.nan) for name in robot.quantities},
         evaluations=found.evaluations,
-        rescues=0,
         shortened=0,
         repeats=0,
         joints=joints,

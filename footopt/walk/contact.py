@@ -26,8 +26,8 @@ from footopt.walk.state import (
     Motion,
     ankle_of,
     in_world,
+    no_contact,
     no_force,
-    no_turning,
     plates_between,
 )
 
@@ -100,15 +100,13 @@ def resistance(law, c, s, h, felt, stage):
 
     c, s: cosine and sine of twice the plate's angle in the world. felt: area times depth, m^3, with effects;
     zeta is in the law.
-    The stress p changes with the direction of motion, dp/dv = -rate (M - (M w) h^T), w = h or ahead of it.
+    The stress p changes with the direction of motion, dp/dv = -rate (M - (M h) h^T).
     """
     mxx, mxz = law.C01 + law.C_sum * c, law.C_diff * s
     mzx, mzz = -law.B_diff * s, law.B01 + law.B_sum * c
     x, z = mxx * h.x + mxz * h.z, mzx * h.x + mzz * h.z  # M h
     px, pz = -law.D10 * s - x, law.A00 + law.A10 * c - z
     k, rate = lift(felt), -h.rate * value(felt)
-    if stage is not None:
-        x, z = x + mxx * stage.ahead_x + mxz * stage.ahead_z, z + mzx * stage.ahead_x + mzz * stage.ahead_z
     x, z = h.slides * x, h.slides * z
     xx, xz = combined(px, k.dx, rate, mxx - x * h.x), combined(px, k.dz, rate, mxz - x * h.z)
     zx, zz = combined(pz, k.dx, rate, mzx - z * h.x), combined(pz, k.dz, rate, mzz - z * h.z)
@@ -234,9 +232,9 @@ def contact(world, sole, poses, hip, turning_speed, stage, h0, counts):
 
     poses: (2 feet, 7), both feet relative to the hip (`state.ankle_of`). turning_speed: over which a plate's
     direction turns, m/s: the creep speed eps; with bristles, delta over the time for which they have followed
-    the plates. stage: of either foot in an implicit stage, a pair of `Implicit`; None leaves the derivatives
-    out, which are then 0. h0: bristles at the beginning of that time, (2 feet, 2, plates), or None. counts: a
-    record of `COUNTS`, added to.
+    the plates. stage: dx/dv_x = dz/dv_z in an implicit stage, s: how the hip's place follows from its
+    velocity; None leaves the derivatives out, which are then 0. h0: bristles at the beginning of that time,
+    (2 feet, 2, plates), or None. counts: a record of `COUNTS`, added to.
     """
     counts.evaluations += 1
     left, right = no_force(), no_force()
@@ -246,16 +244,10 @@ def contact(world, sole, poses, hip, turning_speed, stage, h0, counts):
         force = no_force()
         if first < last:
             counts.plates += last - first
-            ahead, bristles = one_of(stage, foot), bristles_between(h0, foot, first, last)
-            force = part_force(world, world.effects, sole, first, last, ankle, turning_speed, ahead, bristles)
+            bristles = bristles_between(h0, foot, first, last)
+            force = part_force(world, world.effects, sole, first, last, ankle, turning_speed, stage, bristles)
         left, right = right, force
-    return Contact(left, right, no_turning())
-
-
-@unless_none
-def one_of(many, i):
-    """One of several."""
-    return many[i]
+    return Contact(left, right, no_contact().turning)
 
 
 @unless_none

@@ -15,15 +15,13 @@ from footopt.walk.metrics import no_extremes, raw_of, sample_of, sinkage_of, ste
 from footopt.walk.own_code import compiled_for
 from footopt.walk.standing import static_height
 from footopt.walk.state import (
-    Contact,
     Integrals,
     Motion,
     Sole,
     State,
     World,
     borrowed,
-    no_force,
-    no_turning,
+    no_contact,
     sole_at,
     write,
 )
@@ -131,7 +129,7 @@ def _standing(world, sole, poses, count):
     z = static_height(world, sole, poses, beginning(bristles))
     hip, none = Motion(0.0, z, 0.0, 0.0), Integrals(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     if not np.isfinite(z):
-        return State(hip, Contact(no_force(), no_force(), no_turning()), none, bristles, False)
+        return State(hip, no_contact(), none, bristles, False)
     return State(hip, explicit_contact(world, sole, poses, hip, bristles, 0.0, count), none, bristles, True)
 
 

@@ -6,10 +6,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from footopt.compiled import unless_none
 from footopt.foot import Plates
 from footopt.gait.gait import Pose
 from footopt.walk.accuracy import Accuracy
-from footopt.walk.contact import TURN, bristles_between, one_of, plate_force
+from footopt.walk.contact import TURN, bristles_between, plate_force
 from footopt.walk.discretize import sole_of, world
 from footopt.walk.own_code import compiled_for
 from footopt.walk.scene import Scene
@@ -86,8 +87,14 @@ def each_plate(
         moving = Motion(hip[m, 0], hip[m, 1], hip[m, 2], hip[m, 3])
         for foot in range(poses.shape[1]):
             ankle = in_world(ankle_of(poses[m], foot), moving)
-            bristles = bristles_between(one_of(h0, m), foot, 0, len(part.x))
+            bristles = bristles_between(_row(h0, m), foot, 0, len(part.x))
             for i in range(len(part.x)):
                 f = plate_force(world.law, world.effects, part, i, ankle, turning_speed, None, bristles)
                 at = f.motion
                 write(out[m, foot, i], (at.x, at.z, at.vx, at.vz, f.x, f.z, f.normal_x, f.normal_z))
+
+
+@unless_none
+def _row(h0: Any, m: int) -> Any:
+    """The bristles of a sample."""
+    return h0[m]

@@ -42,10 +42,9 @@ class Table:
         Measured by the walks, columns `quantities`.
     evaluations, plates : (designs,), int
         Evaluations of the contact, and of plates in them.
-    rescues : (designs,), int
-        Implicit stages in which primal-dual steps led nowhere, and plain ones were halved.
     shortened : (designs,), int
-        Steps under control that were repeated with half their length.
+        Steps under control that were repeated with half their length: their error was too large, or Newton's
+        method did not converge.
     repeats : (designs,), int
         How often the walk was repeated with a quarter of the time step because a step could not be
         solved or a state was not finite.
@@ -65,7 +64,6 @@ class Table:
     raw: Array
     evaluations: NDArray[np.int64]
     plates: NDArray[np.int64]
-    rescues: NDArray[np.int64]
     shortened: NDArray[np.int64]
     repeats: NDArray[np.int64]
     scene: Scene | Simulator
@@ -151,7 +149,7 @@ class Walk:
         "" or why the walk failed (then the traces end there).
     totals : dict
         The loop's own results by name (`RAW`), by the stepper's own quadrature.
-    evaluations, rescues, shortened, repeats : int
+    evaluations, shortened, repeats : int
         Of the walk, see `Table`.
     remembered : (T,), optional
         The row of `bristles` nearest to each sample; None where each has its own.
@@ -171,7 +169,6 @@ class Walk:
     reason: str
     totals: dict[str, float]
     evaluations: int
-    rescues: int
     shortened: int
     repeats: int
     remembered: NDArray[np.int64] | None = None

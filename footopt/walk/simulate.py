@@ -80,7 +80,7 @@ def simulate(
         start=np.array(Sample(*walked.trace[0])[1:3]),
         reason=REASONS[int(walked.status[0])],
         totals=dict(zip(RAW, map(float, walked.raw[0]), strict=True)),
-        **{name: int(walked.counts[name][0]) for name in ("evaluations", "rescues", "shortened", "repeats")},
+        **{name: int(walked.counts[name][0]) for name in ("evaluations", "shortened", "repeats")},
     )
 
 

@@ -15,10 +15,11 @@ Array = NDArray[np.float64]
 
 LANES = 8  # plates are padded to a multiple of this, and summed in such blocks
 
-#: Counts of a walk: evaluations of the contact, of plates in it, stages in which Newton's
-#: steps ahead of h led nowhere, steps that were repeated with half their length, and how often the whole walk
-#: was, with a quarter of it.
-COUNTS = np.dtype([(name, np.int64) for name in ("evaluations", "plates", "rescues", "shortened", "repeats")])
+NO_FOOT = -1  # in place of a foot's number
+
+#: Counts of a walk: evaluations of the contact, of plates in it, steps that were repeated with half their
+#: length, and how often the whole walk was, with a quarter of it.
+COUNTS = np.dtype([(name, np.int64) for name in ("evaluations", "plates", "shortened", "repeats")])
 
 
 class World(NamedTuple):
@@ -102,26 +103,12 @@ class Force(NamedTuple):
     zz: float
 
 
-class Implicit(NamedTuple):
-    """An implicit stage as the plates of a foot have it; None stands for no stage, and no derivatives.
-
-    The direction w that Newton's method takes for a plate's h in dh/dv = rate (I - w h^T) is h itself, or
-    ahead of it: see `turning.ahead`.
-    """
-
-    time: float  # dx/dv_x = dz/dv_z, s: how the hip's place follows from its velocity
-    ahead_x: float  # w - h
-    ahead_z: float
-
-
 class Turning(NamedTuple):
-    """How the directions of motion of both feet turn, where Newton's method has to follow that."""
+    """A foot that turns its direction of motion over, where Newton's method has to follow that."""
 
-    on: bool
-    left_x: float  # w of a foot
-    left_z: float
-    right_x: float
-    right_z: float
+    foot: int  # or `NO_FOOT`
+    x: float  # w, see `footopt.walk.turning`
+    z: float
 
 
 class Contact(NamedTuple):
@@ -129,7 +116,7 @@ class Contact(NamedTuple):
 
     left: Force
     right: Force
-    turning: Turning  # of the stage that ends there
+    turning: Turning  # in the stage that ends there
 
 
 class Integrals(NamedTuple):
@@ -190,9 +177,9 @@ def no_force():
 
 
 @inlined
-def no_turning():
-    """Directions of motion that plain Newton steps follow."""
-    return Turning(False, 0.0, 0.0, 0.0, 0.0)
+def no_contact():
+    """Of feet in the air."""
+    return Contact(no_force(), no_force(), Turning(NO_FOOT, 0.0, 0.0))
 
 
 @inlined

@@ -12,7 +12,7 @@ import footopt as fo
 from footopt.walk import discretize
 from footopt.walk.contact import contact
 from footopt.walk.discretize import sole_of, world
-from footopt.walk.state import COUNTS, Implicit, Motion
+from footopt.walk.state import COUNTS, Motion
 
 STILL = fo.Gait.human(start=math.inf)
 DRIFT = 1e-6  # m, in a minute of standing
@@ -107,10 +107,10 @@ def test_the_force_has_its_analytic_derivative_where_plates_stick_and_where_they
     poses = np.zeros((2, 7))
     poses[:, 4], poses[0, 1], poses[1, 1], poses[0, 6] = 1.0, -0.02, 1.0, 1e-3
     before = np.random.default_rng(2).uniform(-0.6, 0.6, (2, 2, sole_of(plates).plates.shape[1]))
-    stage, counts = Implicit(1e-3, 0.0, 0.0), np.zeros(1, COUNTS)[0]
+    stage, counts = 1e-3, np.zeros(1, COUNTS)[0]
 
     def left(vx, vz):
-        slip, hip = constants.bristle_length / stage.time, Motion(stage.time * vx, stage.time * vz, vx, vz)
+        slip, hip = constants.bristle_length / stage, Motion(stage * vx, stage * vz, vx, vz)
         return felt(constants, sole_of(plates), poses, hip, slip, stage, before, counts).left
 
     for vx, vz in ((2e-4, -1e-4), (5e-3, -0.02)):

@@ -143,7 +143,7 @@ class TestNewton:
         scenes = [fo.Scene(fo.Sand(zeta), gait, effects=effects) for gait in (turning, level(turning))]
         walks = [fo.evaluate(feet, scene, accuracy) for scene in scenes]
         assert (walks[1].evaluations <= 2.0 * walks[0].evaluations).all()
-        assert (walks[1].rescues <= 0.002 * walks[1].evaluations).all()
+        assert not walks[1].repeats.any()
 
     def test_a_march_is_right(self, flat_foot):
         """Level feet set down at 3 m/s."""

@@ -127,7 +127,7 @@ class TestReproducibility:
     def test_evaluate_and_simulate_are_one_walk(self, scene, ramp_foot, walk):
         table = fo.evaluate([ramp_foot], scene, objectives=tuple(walk.objectives))
         np.testing.assert_allclose(table.values[0], list(walk.objectives.values()), rtol=1e-12)
-        for name in ("evaluations", "rescues", "shortened", "repeats"):
+        for name in ("evaluations", "shortened", "repeats"):
             assert getattr(table, name)[0] == getattr(walk, name)
         np.testing.assert_array_equal(fo.evaluate(ramp_foot, scene).raw, fo.evaluate([ramp_foot], scene).raw)
 

@@ -169,7 +169,7 @@ function world(zeta, mass) {
 }
 
 /** F = sum f over a foot's plates (the paper's eqs. 1 and 2), its power and derivatives, into 7 places of `out`. */
-function footForce(W, sole, poses, p, hipX, hipZ, hipVx, hipVz, creep, c, out, o, each, aheadX = 0, aheadZ = 0) {
+function footForce(W, sole, poses, p, hipX, hipZ, hipVx, hipVz, creep, c, out, o, each) {
   const { x: X, z: Z, c2: C2, s2: S2, area, tx, tz } = sole, { A00, A10, B01, B_sum, B_diff, C01, C_sum, C_diff, D10 } = W;
   const ax = hipX + poses[p], az = hipZ + poses[p + 1], avx = hipVx + poses[p + 2], avz = hipVz + poses[p + 3];
   const cos = poses[p + 4], sin = poses[p + 5], rate = poses[p + 6];
@@ -238,44 +238,30 @@ function footForce(W, sole, poses, p, hipX, hipZ, hipVx, hipVz, creep, c, out, o
     sinking *= byDepth;
     jxz -= sinking * px;
     jzz -= sinking * pz;
-    const wx = turnedX + mxx * aheadX + mxz * aheadZ, wz = turnedZ + mzx * aheadX + mzz * aheadZ; // M w
-    jxx -= kq * (mxx - wx * hx); // M dh/dv = (M - (M w) h^T) / |v|
-    jxz -= kq * (mxz - wx * hz);
-    jzx -= kq * (mzx - wz * hx);
-    jzz -= kq * (mzz - wz * hz);
+    jxx -= kq * (mxx - turnedX * hx); // M dh/dv = (M - (M h) h^T) / |v|
+    jxz -= kq * (mxz - turnedX * hz);
+    jzx -= kq * (mzx - turnedZ * hx);
+    jzz -= kq * (mzz - turnedZ * hz);
   }
   out[o] = fx; out[o + 1] = fz; out[o + 2] = power;
   out[o + 3] = jxx; out[o + 4] = jxz; out[o + 5] = jzx; out[o + 6] = jzz;
 }
 
 /** The force of the sand on both feet. */
-function contact(W, sole, poses, p, x, z, vx, vz, creep, c, out, ahead = [0, 0, 0, 0]) {
-  footForce(W, sole, poses, p, x, z, vx, vz, creep, c, out, 0, null, ahead[0], ahead[1]);
-  footForce(W, sole, poses, p + 7, x, z, vx, vz, creep, c, out, 7, null, ahead[2], ahead[3]);
+function contact(W, sole, poses, p, x, z, vx, vz, creep, c, out) {
+  for (const foot of [0, 1]) footForce(W, sole, poses, p + 7 * foot, x, z, vx, vz, creep, c, out, 7 * foot);
 }
 
-/** The deepest plate of a foot, -1 in the air, and its velocity. */
-function deepestPlate(sole, poses, p, x, z, vx, vz) {
-  const cos = poses[p + 4], sin = poses[p + 5], rate = poses[p + 6];
-  let found = -1, lowest = 0;
-  for (let i = 0; i < sole.x.length; i++) {
-    const height = z + poses[p + 1] + sin * sole.x[i] + cos * sole.z[i];
-    if (height < lowest) {
-      found = i;
-      lowest = height;
-    }
+/** The deepest plate of a foot: the hip's velocity at which it rests, the speed over which it turns, its height above the hip. */
+function deepestPlate(sole, poses, p, foot, creep) {
+  const o = p + 7 * foot, cos = poses[o + 4], sin = poses[o + 5], rate = poses[o + 6];
+  let i = 0, height = Infinity;
+  for (let j = 0; j < sole.x.length; j++) {
+    const level = poses[o + 1] + sin * sole.x[j] + cos * sole.z[j];
+    if (level < height) [i, height] = [j, level];
   }
-  const i = Math.max(found, 0), rise = sin * sole.x[i] + cos * sole.z[i], along = cos * sole.x[i] - sin * sole.z[i];
-  return { touches: found >= 0, vx: vx + poses[p + 2] - rate * rise, vz: vz + poses[p + 3] + rate * along, rate };
-}
-
-/** Directions of motion of both feet: of each h_x, h_z and its rate, 0 in the air. */
-function directions(sole, poses, p, x, z, vx, vz, creep) {
-  return [p, p + 7].map((at) => {
-    const plate = deepestPlate(sole, poses, at, x, z, vx, vz), along = P.accuracy.turn * plate.rate * sole.span;
-    const q = plate.touches ? 1 / Math.sqrt(plate.vx * plate.vx + plate.vz * plate.vz + (creep * creep + along * along)) : 0;
-    return [plate.vx * q, plate.vz * q, q];
-  });
+  const rise = sin * sole.x[i] + cos * sole.z[i], along = cos * sole.x[i] - sin * sole.z[i], within = P.accuracy.turn * rate * sole.span;
+  return { foot, height, vx: -(poses[o + 2] - rate * rise), vz: -(poses[o + 3] + rate * along), speed: Math.sqrt(creep * creep + within * within) };
 }
 
 /** Hip height at which the limit forces of downward motion carry the weight; NaN if they do not. */

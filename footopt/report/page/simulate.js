@@ -1,6 +1,6 @@
-// The walk, as footopt/walk/newton.py, steppers/sdirk2.py, loop.py, metrics.py and objectives.py compute it.
+// The walk, as footopt/walk/newton.py, turning.py, steppers/implicit.py, loop.py, metrics.py and objectives.py compute it.
 
-// --- one step: footopt/walk/newton.py, footopt/walk/steppers/sdirk2.py -----------------------------------------
+// --- one step: footopt/walk/newton.py, turning.py, steppers/implicit.py -----------------------------------------
 
 const spare = new Float64Array(7);
 const implicit = { vx: 0, vz: 0, force: new Float64Array(14), turning: null };
@@ -11,93 +11,89 @@ function meanSpeed(F, o, both) {
   return force === 0 ? Infinity : (Math.abs(F[o + 2]) / force) * Math.sqrt(both / force);
 }
 
-/** Both feet's w after a step of Newton's method, from their directions at its beginning. */
-function turned(w, h, dvx, dvz) {
-  return h.flatMap(([hx, hz, q], foot) => {
-    const along = hx * dvx + hz * dvz, x = hx + q * (dvx - w[2 * foot] * along), z = hz + q * (dvz - w[2 * foot + 1] * along);
-    const size = Math.max(1, Math.sqrt(x * x + z * z) / P.accuracy.inside);
-    return [x / size, z / size];
-  });
+/** w at a velocity of the hip, and its rate; a plate is that of `deepestPlate`. */
+function directionOf(plate, vx, vz) {
+  const x = vx - plate.vx, z = vz - plate.vz, rate = 1 / Math.sqrt(x * x + z * z + plate.speed * plate.speed);
+  return [x * rate, z * rate, rate];
 }
 
-/** The hip's velocity with which the foot that sticks moves as w says. */
-function sticking(sole, poses, p, x, z, vx, vz, w) {
-  const left = w[0] * w[0] + w[1] * w[1], right = w[2] * w[2] + w[3] * w[3];
-  const foot = left === 0 || (right > 0 && right < left) ? 1 : 0, square = foot ? right : left;
-  const plate = deepestPlate(sole, poses, p + 7 * foot, x, z, vx, vz), speed = P.accuracy.creep / Math.sqrt(1 - square);
-  if (!plate.touches || square > P.accuracy.sticks * P.accuracy.sticks) return [vx, vz];
-  return [vx + speed * w[2 * foot] - plate.vx, vz + speed * w[2 * foot + 1] - plate.vz];
+/** The hip's velocity with a direction w; (vx, vz) where no foot turns over, or it slides. */
+function velocityOf(plate, x, z, vx, vz) {
+  const square = x * x + z * z, { inside } = P.accuracy;
+  if (!plate || square > inside * inside) return [vx, vz];
+  const speed = plate.speed / Math.sqrt(1 - square);
+  return [plate.vx + speed * x, plate.vz + speed * z];
 }
 
-const PLAIN = 0, AHEAD = 1, DAMPED = 2; // steps of Newton's method
+/** w half-way between those at two velocities of the hip. */
+function halfWay(plate, vx, vz, toX, toZ) {
+  if (!plate) return [1, 0];
+  const [x, z] = directionOf(plate, vx, vz), [endX, endZ] = directionOf(plate, toX, toZ);
+  return [0.5 * (x + endX), 0.5 * (z + endZ)];
+}
+
+/** The plate of the foot that turns over between two velocities of the hip: that with the smaller w half-way. */
+function turningPlate(sole, poses, p, z, vx, vz, toX, toZ, creep) {
+  let found = null, least = Infinity;
+  for (const foot of [0, 1]) {
+    const plate = deepestPlate(sole, poses, p, foot, creep), [wx, wz] = halfWay(plate, vx, vz, toX, toZ), size = wx * wx + wz * wz;
+    if (z + plate.height < 0 && size < least) [found, least] = [plate, size];
+  }
+  return found;
+}
+
+/** The velocity after a step of Newton's method, as one of w. */
+function stepped(plate, vx, vz, dvx, dvz) {
+  if (!plate) return [vx + dvx, vz + dvz];
+  const [x, z, rate] = directionOf(plate, vx, vz), along = x * dvx + z * dvz;
+  return velocityOf(plate, x + rate * (dvx - x * along), z + rate * (dvz - z * along), vx + dvx, vz + dvz);
+}
+
 /** Velocity V of an implicit stage, V = v0 + c a(r0 + c V, V), by Newton's method from a guess; whether it was found. */
 function solveStage(W, sole, poses, p, x0, z0, vx0, vz0, c, vx, vz, turning) {
-  const { newton, most, patience, close, gated, creep } = P.accuracy, F = implicit.force, inv = c / W.mass, { tilt, g } = P.gravity;
-  const feet = (vx, vz) => directions(sole, poses, p, x0 + c * vx, z0 + c * vz, vx, vz, creep);
-  let w = turning, mode = PLAIN, idle = 0, best = Infinity, dvx = 0, dvz = 0, h;
-  const far = (h) => h.reduce((sum, [hx, hz], foot) => sum + Math.abs(w[2 * foot] - hx) + Math.abs(w[2 * foot + 1] - hz), 0);
-  if (w && far(feet(vx, vz)) > close) {
-    mode = AHEAD;
-    [vx, vz] = sticking(sole, poses, p, x0 + c * vx, z0 + c * vz, vx, vz, w);
-  }
+  const { newton, most, most_halvings, inside, gated, creep } = P.accuracy, F = implicit.force, inv = c / W.mass, { tilt, g } = P.gravity;
+  let best = Infinity, dvx = 0, dvz = 0, halved = 0, plate = turning && deepestPlate(sole, poses, p, turning.foot, creep);
+  if (plate && z0 + c * vz + plate.height >= 0) plate = null;
+  if (plate) [vx, vz] = velocityOf(plate, turning.x, turning.z, vx, vz);
   let bestX = vx, bestZ = vz;
-  const backTrack = () => { // half of the way
-    dvx *= 0.5;
-    dvz *= 0.5;
-    vx -= dvx;
-    vz -= dvz;
-    if (Math.abs(dvx) + Math.abs(dvz) < 1e-13 * (1 + Math.abs(vx) + Math.abs(vz))) best = Infinity;
-  };
   for (let i = 0; i < most; i++) {
-    if (mode === AHEAD) h = feet(vx, vz);
-    const ahead = mode === AHEAD ? h.flatMap(([hx, hz], foot) => [w[2 * foot] - hx, w[2 * foot + 1] - hz]) : undefined;
-    contact(W, sole, poses, p, x0 + c * vx, z0 + c * vz, vx, vz, creep, c, F, ahead);
+    contact(W, sole, poses, p, x0 + c * vx, z0 + c * vz, vx, vz, creep, c, F);
     const rx = vx - (tilt === null ? vx0 : vx0 + c * tilt) - inv * (F[0] + F[7]), rz = vz - vz0 - inv * (F[1] + F[8]) + c * g;
     const residual = rx * rx + rz * rz;
     if (residual <= best) {
-      best = residual;
-      bestX = vx;
-      bestZ = vz;
-      idle = 0;
-    } else if (mode === PLAIN) {
-      h = feet(vx - dvx, vz - dvz);
-      w = turned(h.flatMap(([hx, hz]) => [hx, hz]), h, dvx, dvz);
-      mode = far(feet(vx, vz)) > close ? AHEAD : DAMPED; // ahead: the same velocity again, with the w that the step has led to
-      if (mode === DAMPED) backTrack();
-      continue;
-    } else if (mode === AHEAD && idle < patience) {
-      idle++;
-    } else if (mode === AHEAD) {
-      mode = DAMPED;
-      vx = bestX;
-      vz = bestZ;
-      dvx = dvz = 0;
-      best = Infinity;
-      continue;
-    } else {
-      backTrack();
-      continue;
-    }
-    const jxx = 1 - inv * (F[3] + F[10]), jxz = -inv * (F[4] + F[11]), jzx = -inv * (F[5] + F[12]), jzz = 1 - inv * (F[6] + F[13]);
-    const det = 1 / (jxx * jzz - jxz * jzx);
-    dvx = (jxz * rz - jzz * rx) * det;
-    dvz = (jzx * rx - jxx * rz) * det;
-    if (mode === AHEAD) w = turned(w, h, dvx, dvz);
-    vx += dvx;
-    vz += dvz;
-    const size = Math.abs(dvx) + Math.abs(dvz), rounding = 1e-13 * (1 + Math.abs(vx) + Math.abs(vz));
-    const force = Math.abs(F[0]) + Math.abs(F[1]) + (Math.abs(F[7]) + Math.abs(F[8]));
-    const speed = force === 0 ? creep : creep + Math.min(meanSpeed(F, 0, force), meanSpeed(F, 7, force));
-    const enough = gates.length ? Math.min(newton * speed, gated * creep) : newton * speed;
-    if (size <= rounding || (force > 0 && size <= enough + rounding)) {
-      implicit.vx = vx;
-      implicit.vz = vz;
-      implicit.turning = mode === AHEAD ? w : null;
-      for (const o of [0, 7]) { // carried along the last step, to first order
-        F[o] += F[o + 3] * dvx + F[o + 4] * dvz;
-        F[o + 1] += F[o + 5] * dvx + F[o + 6] * dvz;
+      [best, bestX, bestZ, halved] = [residual, vx, vz, 0];
+      const jxx = 1 - inv * (F[3] + F[10]), jxz = -inv * (F[4] + F[11]), jzx = -inv * (F[5] + F[12]), jzz = 1 - inv * (F[6] + F[13]);
+      const det = 1 / (jxx * jzz - jxz * jzx);
+      dvx = (jxz * rz - jzz * rx) * det;
+      dvz = (jzx * rx - jxx * rz) * det;
+      const size = Math.abs(dvx) + Math.abs(dvz), rounding = 1e-13 * (1 + Math.abs(vx) + Math.abs(vz));
+      const force = Math.abs(F[0]) + Math.abs(F[1]) + (Math.abs(F[7]) + Math.abs(F[8]));
+      const speed = force === 0 ? creep : creep + Math.min(meanSpeed(F, 0, force), meanSpeed(F, 7, force));
+      const enough = Math.min(newton * speed, plate ? gated * plate.speed : Infinity, gates.length ? gated * creep : Infinity);
+      if (size <= rounding || (force > 0 && size <= enough + rounding)) {
+        implicit.vx = vx + dvx;
+        implicit.vz = vz + dvz;
+        const [wx, wz] = plate ? directionOf(plate, implicit.vx, implicit.vz) : [1, 0];
+        implicit.turning = wx * wx + wz * wz > inside * inside ? null : { foot: plate.foot, x: wx, z: wz };
+        for (const o of [0, 7]) { // carried along the last step, to first order
+          F[o] += F[o + 3] * dvx + F[o + 4] * dvz;
+          F[o + 1] += F[o + 5] * dvx + F[o + 6] * dvz;
+        }
+        return true;
       }
-      return true;
+      [vx, vz] = stepped(plate, vx, vz, dvx, dvz);
+    } else if (!plate) { // half-way in w
+      plate = turningPlate(sole, poses, p, z0 + c * vz, bestX, bestZ, vx, vz, creep);
+      const [x, z] = halfWay(plate, bestX, bestZ, vx, vz);
+      [vx, vz] = velocityOf(plate, x, z, 0.5 * (bestX + vx), 0.5 * (bestZ + vz));
+      best = Infinity;
+    } else if (halved < most_halvings) {
+      halved++;
+      dvx *= 0.5;
+      dvz *= 0.5;
+      [vx, vz] = stepped(plate, bestX, bestZ, dvx, dvz);
+    } else {
+      return false;
     }
   }
   return false;
