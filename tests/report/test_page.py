@@ -100,9 +100,17 @@ def test_a_drag_along_an_axis_filters_both_figures_and_a_row_is_chosen(front, pa
     shown["#clear"].click()
     assert shown.counts()[0] == len(result.front)
     shown["#explore > details:last-of-type summary"].click()
-    shown["#explore table button"].click()
+    shown["#explore tbody button"].click()  # in the order of the run's choice
+    chosen = int(re.search(r"design (\d+)", shown.text("#design-title"))[1])
+    assert chosen == result.best
+    shown["[data-sort=distance]"].click()
+    shown["#explore tbody button"].click()
     chosen = int(re.search(r"design (\d+)", shown.text("#design-title"))[1])
     assert chosen == max(result.front, key=lambda i: result.column("distance")[i])
+    link = shown.js("location.href")
+    browser.get("about:blank")
+    browser.get(link)  # opens the page as it was left
+    assert f"design {chosen}" in shown.text("#design-title")
     work = shown.js(f"simulated({chosen}).objectives.work")
     assert work == pytest.approx(result.column("work")[chosen], rel=1e-9)
 
@@ -123,6 +131,7 @@ def test_a_sole_is_drawn_walks_as_in_python_and_is_handed_out(front, pages, brow
     scene, shown = front[0].problem.scene, Page(browser, pages["front"])
     before = heights()
     low = before.index(min(before))
+    browser.execute_script("arguments[0].scrollIntoView({block: 'center'})", shown["#design svg"])
     pointer = ActionChains(browser, duration=20)
     pointer.move_to_element(shown[f'[role=slider][data-waypoint="{low}"]']).click_and_hold()
     pointer.move_by_offset(0, 12).move_by_offset(0, 12).release().perform()
@@ -136,6 +145,7 @@ def test_a_sole_is_drawn_walks_as_in_python_and_is_handed_out(front, pages, brow
     assert zeta > scene.sand.zeta
     assert mass < scene.walker.mass
     check(fo.Scene(sand=fo.Sand(zeta=zeta), walker=fo.Walker(mass=mass)))
+    assert "leading edge" in shown.text("#design")  # another law, which the page walks by itself
     shown["#download-csv"].click()
     rows = list(csv.reader(io.StringIO(arrived(downloads, "csv"))))
     contour = fo.Foot.from_waypoints(heights()).contour

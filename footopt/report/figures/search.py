@@ -10,7 +10,6 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike
 
 from footopt.report import style
-from footopt.report.numbers import number
 from footopt.report.style import Axes
 from footopt.walk.objectives import Objective, lookup
 
@@ -54,10 +53,9 @@ def draw_convergence(axes: Axes, history: Sequence[Any], label: str, base: float
         style.message(axes, "no feasible design was found")
         axes.set_xticks([])
         return
-    scale, last = base or 1.0, best[np.isfinite(best)][-1]
-    name = "best: " + (f"× {last / base:.2f} of flat, " if base else "") + number(last)
+    scale, look = base or 1.0, {"color": style.BEST, "drawstyle": "steps-post", "zorder": 3}
     # a best value holds until a better one is found
-    axes.plot(evaluations, best / scale, color=style.BEST, drawstyle="steps-post", zorder=3, label=name)
+    axes.plot(evaluations, best / scale, label="best so far", **look)
     if np.isfinite(median).any():
         axes.plot(evaluations, median / scale, color=style.FLAT, ls="--", label="median")
 

@@ -159,8 +159,13 @@ const EFFECTS = {
     if (depth < skin) push[2] += pressure / skin;
   }],
 };
-const hooks = Object.entries(P.effects ?? {}).map(([name, law]) => EFFECTS[name](law));
-const [loads, gates, pushes] = [load, gate, push].map((state) => hooks.filter(([of]) => of === state).map(([, hook]) => hook));
+let loads, gates, pushes;
+/** Walk with these effects from now on. */
+function takeEffects(effects) {
+  const hooks = Object.entries(effects ?? {}).map(([name, law]) => EFFECTS[name](law));
+  [loads, gates, pushes] = [load, gate, push].map((state) => hooks.filter(([of]) => of === state).map(([, hook]) => hook));
+}
+takeEffects(P.effects);
 
 /** The law in N/m^3 and the mass, kg, of a walk. */
 function world(zeta, mass) {

@@ -1,7 +1,7 @@
 // A sole of one's own: waypoints to drag, sliders for sand and mass, the walk that follows, undo, and the commands for it.
 
 /** The sole that is sketch, the design after the last: its sand and mass, why it failed, what it was before, and the frame that is to show it. */
-const sketch = P.sand ? { zeta: P.sand.zeta, mass: P.walker.mass, reason: "", flat: null, past: [], frame: 0 } : null;
+const sketch = P.sand ? { zeta: P.sand.zeta, mass: P.walker.mass, reason: "", flat: null, past: [], frame: 0, moving: false } : null;
 if (sketch && !kOf) data.designs.soles.push(data.designs.soles[0]);
 
 const walked = new Map();
@@ -15,6 +15,39 @@ function simulated(i) {
     walked.set(i, prepared({ ...made, arc: points, points: sole(i), top: own("top", i), design: i }));
   }
   return Object.assign(walked.get(i), { label: label(i) });
+}
+
+const elsewhere = new Map();
+/** The objectives of a sole under another law of sand, or by finer numbers; null where the walk fails. */
+function walkedAs(k, { zeta, mass }, { law, zeta: factor = 1, effects = P.effects, finer = 1 }) {
+  const key = [law, finer, zeta, mass, k].join(" ");
+  if (!elsewhere.has(key)) {
+    const { plates, dt, control } = P.accuracy;
+    Object.assign(P.accuracy, { plates: finer * plates, dt: dt / finer, control: control && control / finer ** 2 });
+    takeEffects(effects);
+    const walk = simulate(arcPoints(k, P.accuracy.plates * P.accuracy.parts), { zeta: zeta * factor, mass });
+    Object.assign(P.accuracy, { plates, dt, control });
+    takeEffects(P.effects);
+    elsewhere.set(key, walk.reason ? null : walk.objectives);
+  }
+  return elsewhere.get(key);
+}
+/** A design of this page under other laws of sand, against the flat sole, and the numerical errors of its values: walked here once the hand rests. */
+function judgedHere(i) {
+  if (!sketch || !space || !data.objectives || sketch.moving || !feasible[i]) return { laws: [], errors: {} };
+  const own = i === DRAWN ? sketch : { zeta: P.sand.zeta, mass: P.walker.mass }, k = heights(i), flat = Array(space.n).fill(space.K);
+  const share = (a, b) => a && b && Object.fromEntries(Object.keys(a).map((name) => [name, a[name] / b[name] - 1]));
+  const usual = walkedAs(k, own, {}), finer = walkedAs(k, own, { finer: 2 });
+  return { laws: P.others.map((other) => ({ law: other.law, change: share(walkedAs(k, own, other), walkedAs(flat, own, other)) ?? {} })),
+    errors: usual && finer ? Object.fromEntries(Object.keys(usual).map((name) => [name, Math.abs(usual[name] - finer[name])])) : {} };
+}
+/** Where a walk that was made here leaves the tested range: by its depth, which the page knows. */
+function tooDeep(i) {
+  const walk = feasible[i] && simulated(i);
+  if (!walk) return [];
+  const ankle = Math.max(...Array.from({ length: 101 }, (_, j) => Math.max(...pose(walk, (j * walk.t.at(-1)) / 100).map(({ leg }) => -leg.at(-1)[1]))));
+  return [["depth of the sole", walk.objectives.maximum_sinkage, P.foot.width], ["depth of the ankle", ankle, 0]]
+    .flatMap(([name, value, limit], row) => (value > limit ? [`${name} ${number(value)} m is above ${number(limit)} m: ${P.why[row]}`] : []));
 }
 
 const flatOfRun = { ...entry.flat };
@@ -40,6 +73,12 @@ function rewalk() {
   feasible[DRAWN] = walk.reason ? 0 : 1;
 }
 
+const put = ({ k, zeta, mass }) => {
+  if (k && kOf) kOf.set(k, DRAWN * space.n);
+  Object.assign(sketch, { zeta, mass });
+};
+const takeSketch = (all) => { put(all); rewalk(); };
+
 /** The tools beside the drawing of the chosen sole; `now()` is the chosen design, `show(i)` shows one, `settle(i)` everywhere. */
 function drawTools(holder, now, show, settle) {
   const why = P.refusal ?? (sketch ? "" : null);
@@ -47,10 +86,6 @@ function drawTools(holder, now, show, settle) {
   if (why) return { section: el("p", { class: "note", id: "no-drawing" }, `No other sole can be drawn and simulated here: ${why}.`), redraw: () => {} };
   let rest = 0;
   const snapshot = () => ({ design: now(), k: heights(now()), zeta: sketch.zeta, mass: sketch.mass });
-  const put = ({ k, zeta, mass }) => {
-    if (k) kOf.set(k, DRAWN * space.n);
-    Object.assign(sketch, { zeta, mass });
-  };
   /** Change what is drawn: the sole and its step follow in the next frame, all else when the hand rests. */
   function edit(change, remember = true) {
     if (remember) sketch.past.push(snapshot());
@@ -60,14 +95,14 @@ function drawTools(holder, now, show, settle) {
       rewalk();
       show(DRAWN);
     });
+    sketch.moving = true;
     clearTimeout(rest);
-    rest = setTimeout(() => settle(DRAWN), 150);
+    rest = setTimeout(() => { sketch.moving = false; settle(DRAWN); }, 150);
   }
   function undo() {
     const before = sketch.past.pop();
     if (!before) return;
-    put(before);
-    rewalk();
+    takeSketch(before);
     settle(before.design);
   }
   const level = (p, k) => {
@@ -76,7 +111,7 @@ function drawTools(holder, now, show, settle) {
     moved[p] = k;
     return moved;
   };
-  let held = -1, fresh = true;
+  let held = -1, fresh = true; // whether the next change is the first of a drag, which an undo goes back to
   holder.addEventListener("pointerdown", (event) => {
     const aside = (grip) => { const { left, width } = grip.getBoundingClientRect(); return Math.abs(left + width / 2 - event.clientX); };
     held = event.target.closest("[data-waypoint]") // grips cover each other on a narrow screen: the nearest is meant
@@ -105,8 +140,7 @@ function drawTools(holder, now, show, settle) {
   /** A slider over a factor of 10 to either side, in equal steps of the logarithm. */
   const slider = (name, text, own) => {
     const shown = el("output", { for: name }), input = el("input", { id: name, type: "range", min: -1, max: 1, step: 0.01, "aria-label": text,
-      pointerdown: () => sketch.past.push(snapshot()), keydown: () => sketch.past.push(snapshot()),
-      input: () => edit({ [name]: +input.value ? +(own * 10 ** input.value).toPrecision(3) : own }, false) });
+      input: () => { edit({ [name]: +input.value ? +(own * 10 ** input.value).toPrecision(3) : own }, fresh); fresh = false; }, change: () => { fresh = true; } });
     const redraw = () => { input.value = Math.log10(sketch[name] / own); shown.textContent = number(sketch[name]); input.setAttribute("aria-valuetext", shown.textContent); };
     return { row: el("label", {}, text, input, shown), redraw };
   };

@@ -1,37 +1,5 @@
 // Many designs: parallel coordinates and a scatter that filter each other, and a table of the same.
 
-const WIDTH = data.columns.length, values = oneMore(unpack(data.designs.values), WIDTH), COUNT = values.length / WIDTH - 1;
-const DRAWN = COUNT; // the design after the last is the one that is drawn on the page
-const generation = data.designs.generation && unpack(data.designs.generation);
-const feasible = [...(data.designs.feasible.data ? unpack(data.designs.feasible) : data.designs.feasible)];
-const reason = (i) => i === DRAWN ? sketch.reason : data.designs.reasons[data.designs.reason ? reasonCodes[i] : i];
-const reasonCodes = data.designs.reason && unpack(data.designs.reason);
-const front = new Set(data.front ? unpack(data.front) : []);
-const MOST = 1000; // parallel lines of a colour at most
-
-/** Columns to filter and draw designs by: recorded values, the generation, the hollow, and heights. */
-const COLUMNS = data.columns.map((column, c) => {
-  const flat = entry.flat?.[column.name];
-  // J_W is told as a multiple of the flat foot's: both are negative
-  const [show, more] = column.name === "efficiency" && flat < 0 ? [(v) => v / flat, { title: "J_W", unit: OF_FLAT, maximise: true }] : [(v) => v, {}];
-  return { ...column, ...more, show, flat: flat === undefined ? NaN : show(flat), of: (i) => show(values[i * WIDTH + c]) };
-});
-const plain = (name, unit, of) => ({ name, title: name, unit, maximise: true, variable: true, flat: NaN, show: (v) => v, of });
-if (generation) COLUMNS.push({ ...plain("generation", "", (i) => generation[i]), maximise: false });
-const depths = new Map();
-if (COUNT) COLUMNS.push(plain("hollow", "mm", (i) => {
-  if (!depths.has(i)) depths.set(i, MM * hollow(sole(i)));
-  return depths.get(i);
-}));
-if (kOf) for (let p = 0; p < space.n; p++) COLUMNS.push(plain(`k${p + 1}`, "", (i) => kOf[i * space.n + p]));
-const columnOf = (name) => COLUMNS.find((c) => c.name === name);
-const ranking = columnOf(data.ranking_objective ?? "efficiency") ?? COLUMNS[0];
-
-/** A design's number is its row in designs.csv, from 0. */
-const numbers = data.designs.rows && unpack(data.designs.rows);
-const BEST = { efficiency: "best in J_W", weights: "best by weights", limits: "best within limits" }[data.choice] ?? data.choice ?? "best";
-const label = (i) => i === DRAWN ? "drawn here" : data.designs.labels ? data.designs.labels[i] : `design ${numbers[i]}${i === data.best ? `, the ${BEST}` : i === data.printed ? ", the foot to print" : ""}`;
-
 /** A limit as short as it is shown. */
 const rounded = (v) => (Number.isFinite(v) ? +v.toPrecision(5) : v);
 
@@ -40,8 +8,20 @@ function explorer(choose, beside, glimpse) {
   let order = COLUMNS.filter((c) => !c.variable);
   const every = Array.from({ length: COUNT }, (_, i) => i), passes = new Uint8Array(COUNT), ends = new Map();
   /** The smallest and the largest of the designs that are shown, and of the flat foot. */
-  const endsOf = (c) => ends.get(c) ?? ends.set(c, range([...state.shown.map(c.of), data.runs ? NaN : c.flat], 0)).get(c);
-  const state = { limits: new Map(), chosen: data.best, shown: [], passing: [], near: -1 };
+  const endsOf = (c) => ends.get(c) ?? ends.set(c, range([...windowOf(c), data.runs ? NaN : c.flat], 0)).get(c);
+  /** The values between which a figure is drawn. */
+  function windowOf(c) {
+    if (zoom.value === "limits" && state.passing.length) return state.passing.map(c.of);
+    const all = state.shown.map(c.of);
+    if (zoom.value !== "most") return all;
+    const sorted = Float64Array.from(all).sort(), at = (share) => sorted[Math.round(share * (sorted.length - 1))];
+    return [at(0.025), at(0.975), ...[data.best, state.chosen].filter((i) => feasible[i]).map(c.of)];
+  }
+  const state = { limits: new Map(), chosen: data.best, shown: [], passing: [], near: -1, sort: null, way: 1 };
+  for (const part of address.get("limits")?.split("_") ?? []) {
+    const [name, low, high] = part.split("~");
+    if (columnOf(name) && +low <= +high) state.limits.set(name, [+low, +high]);
+  }
   const wide = el("div", { class: "plot brush", id: "parallel" });
   const flat = el("div", { class: "plot brush", id: "scatter" });
   const count = el("p", { id: "count", role: "status" });
@@ -62,17 +42,28 @@ function explorer(choose, beside, glimpse) {
     .filter(([name]) => name !== "front" || front.size)
     .map(([value, { title }]) => el("option", { value }, title)));
   if (front.size) which.value = "front";
+  const zoom = el("select", { id: "zoom", change: () => { ends.clear(); redraw(); } },
+    ...[["all", "all designs"], ["most", "95 % of them"], ["limits", "those within the limits"]].map(([value, text]) => el("option", { value }, text)));
+  if (!front.size && COUNT > 100) zoom.value = "most";
+  const save = el("button", { type: "button", id: "save", click: () => download("designs.csv", [["design", ...COLUMNS.map((c) => c.name === "efficiency" ? "J_W_of_flat" : c.name)],
+    ...state.passing.map((i) => [data.designs.labels ? JSON.stringify(label(i)) : numbers[i], ...COLUMNS.map((c) => +c.of(i).toPrecision(7))])].map((row) => row.join(",") + "\n").join(""), "text/csv") }, "CSV of these");
   const clear = el("button", { type: "button", id: "clear", click: () => { state.limits.clear(); filter(); } }, "Clear limits");
   const fields = new Map(COLUMNS.map((c) => [c.name, [0, 1].map((end) => el("input", {
     type: "number", step: "any", "aria-label": `${end ? "largest" : "smallest"} ${named(c)}`,
     change: () => setLimit(c.name, ...fields.get(c.name).map((field, e) => field.value === "" ? [-Infinity, Infinity][e] : +field.value)),
   }))]));
-  const rows = folded(`The designs within the limits as a table (the first 50, by ${named(ranking)})`, () => {
-    const best = leaders(50);
-    const told = COLUMNS.filter((c) => !/^k\d+$/.test(c.name));
-    return table(["", ...told.map(named), ...(kOf ? ["k"] : [])], best.map((i) => [
+  const rows = folded("The designs within the limits as a table (the first 50 in the order of a column)", () => {
+    const told = COLUMNS.filter((c) => !/^k\d+$/.test(c.name)), { sort, way } = state;
+    const heads = told.map((c) => el("button", { type: "button", "data-sort": c.name, click: () => {
+      Object.assign(state, { sort: c, way: sort === c ? -way : c.maximise ? -1 : 1 }); // the best first
+      rows.refresh();
+      rows.querySelector(`[data-sort="${c.name}"]`).focus();
+    } }, `${named(c)}${sort === c ? (way > 0 ? " ▲" : " ▼") : ""}`));
+    const made = table(["", ...heads, ...(kOf ? ["k"] : [])], leaders(50, sort ? (i) => way * sort.of(i) : score).map((i) => [
       el("button", { type: "button", click: () => choose(i) }, data.designs.labels ? label(i) : String(numbers[i])),
       ...told.map((c) => number(c.of(i))), ...(kOf ? [heights(i).join(" ")] : [])]));
+    heads.forEach((head, j) => head.closest("th")?.setAttribute("aria-sort", sort !== told[j] ? "none" : way > 0 ? "ascending" : "descending"));
+    return made;
   });
   const axesList = el("div", { class: "bar", id: "axes-list" });
   const axesBox = el("details", { id: "axes" }, el("summary", {}, "Axes"), axesList);
@@ -90,7 +81,7 @@ function explorer(choose, beside, glimpse) {
       numbers ? " A design's number is its row in designs.csv, from 0." : "",
       COUNT > MOST ? ` Of more than ${MOST} lines an even selection is drawn.` : "",
       front.size && entry.front_size > front.size ? ` Of the ${entry.front_size} designs on the front ${front.size} are here.` : ""),
-    el("div", { class: "bar" }, which.length > 1 ? el("label", {}, "designs", which) : null, el("label", {}, "colour by", shade), scale, clear, count),
+    el("div", { class: "bar" }, which.length > 1 ? el("label", {}, "designs", which) : null, el("label", {}, "zoom to", zoom), el("label", {}, "colour by", shade), scale, clear, save, count),
     data.runs ? legend(every.map((i) => ({ name: label(i), ...runLine(i) }))) : null,
     scrolled("Parallel axes", wide),
     axesBox,
@@ -98,10 +89,20 @@ function explorer(choose, beside, glimpse) {
       table(["", "from", "to"], COLUMNS.map((c) => [named(c), ...fields.get(c.name)]))),
     rows);
 
-  function leaders(count) {
-    const found = [], sign = ranking.maximise ? -1 : 1;
+  /** The cost of a design as the run chose: of several objectives the distance from the best of each, in parts of their range. */
+  function score(i) {
+    if (!(data.objectives?.length > 1) || data.choice === "efficiency") return (ranking.maximise ? -1 : 1) * ranking.of(i);
+    return data.objectives.reduce((sum, name) => {
+      const c = columnOf(name), [low, high] = rangeOf(c);
+      return sum + (((c.maximise ? high - c.of(i) : c.of(i) - low) / (high - low || 1)) ** 2);
+    }, 0);
+  }
+  const ranges = new Map(), rangeOf = (c) => ranges.get(c) ?? ranges.set(c, range(state.shown.map(c.of), 0)).get(c);
+  /** The first designs within the limits, in the order of their costs. */
+  function leaders(count, price = score) {
+    const found = [];
     for (const i of state.passing) {
-      const cost = sign * ranking.of(i);
+      const cost = price(i);
       if (found.length === count && !(cost < found.at(-1)[0])) continue;
       found.splice(found.findLastIndex(([other]) => !(other > cost)) + 1, 0, [cost, i]);
       found.length = Math.min(found.length, count);
@@ -120,12 +121,14 @@ function explorer(choose, beside, glimpse) {
     if (!same) {
       const { has } = SETS[which.value];
       state.shown = every.filter((i) => feasible[i] && has(i));
-      ends.clear();
+      ranges.clear();
     }
     const limits = [...state.limits].map(([name, pair]) => [columnOf(name).of, ...pair]);
     state.passing = state.shown.filter((i) => limits.every(([of, low, high]) => of(i) >= low && of(i) <= high));
     passes.fill(0);
     for (const i of state.passing) passes[i] = 1;
+    if (!same || zoom.value === "limits") ends.clear();
+    remember("limits", [...state.limits].map(([name, pair]) => [name, ...pair].join("~")).join("_"));
     count.textContent = `${state.passing.length} of ${state.shown.length} designs within the limits`;
     for (const [name, pair] of fields) pair.forEach((field, end) => {
       const limit = state.limits.get(name)?.[end] ?? NaN;
@@ -175,6 +178,8 @@ function explorer(choose, beside, glimpse) {
     const a = { svg: drawing, width, height };
     wide.replaceChildren(drawing);
     const pen = canvas(wide, a);
+    pen.rect(0, top - 3, width, bottom - top + 6); // what is beyond the zoom is not drawn
+    pen.clip();
     const X = (c) => 70 + (c * (width - 140)) / Math.max(order.length - 1, 1);
     const scales = order.map((c) => (c.maximise ? endsOf(c) : endsOf(c).slice().reverse())); // worst, best
     const Y = (c, v) => { const [worst, best] = scales[c]; return best === worst ? (top + bottom) / 2 : bottom + ((v - worst) / (best - worst)) * (top - bottom); };
@@ -229,6 +234,8 @@ function explorer(choose, beside, glimpse) {
         if (j < 0) return null;
         // beyond the end of an axis there is no limit
         const up = order[j].maximise ? 1 : -1, end = (y) => (y < top ? up * Infinity : y > bottom ? -up * Infinity : fromY(j, y));
+        const held = moved(order[j], fromY(j, y0), fromY(j, y1)); // a drag from within limits moves them
+        if (held) [y0, y1] = held.map((v) => Y(j, v));
         if (done) setLimit(order[j].name, rounded(end(y0)), rounded(end(y1)));
         return rectangle(X(j) - 9, y0, X(j) + 9, y1);
       },
@@ -240,6 +247,12 @@ function explorer(choose, beside, glimpse) {
       },
     });
     hover(a, (x, y) => told(y > top ? under([x, y], 6) : -1));
+  }
+
+  /** The limits of a column, moved as a drag from a value to another one moves them; null where it does not begin within them. */
+  function moved(c, from, to) {
+    const [low, high] = state.limits.get(c.name) ?? [];
+    return from >= low && from <= high && Number.isFinite(high - low) ? [low + to - from, high + to - from] : null;
   }
 
   /** The design within the limits that a measure of distance in pixels calls the nearest, or -1 if none is near. */
@@ -268,6 +281,9 @@ function explorer(choose, beside, glimpse) {
     const pen = canvas(flat, a), colour = colours();
     a.svg.append(svg("rect", { class: "grip", x: a.inside.left, y: a.inside.top, width: a.inside.right - a.inside.left, height: a.inside.bottom - a.inside.top }));
     const rest = ink("--line");
+    pen.beginPath(); // what is beyond the zoom is not drawn
+    pen.rect(a.inside.left - 3, a.inside.top - 3, a.inside.right - a.inside.left + 6, a.inside.bottom - a.inside.top + 6);
+    pen.clip();
     const dot = (i, style, radius) => {
       pen.beginPath();
       pen.arc(a.X(cx.of(i)), a.Y(cy.of(i)), radius, 0, 7);
@@ -296,6 +312,8 @@ function explorer(choose, beside, glimpse) {
     hover(a, (x, y) => told(under([x, y], 8)));
     gestures(a, {
       drag: ([x0, y0], [x1, y1], done) => {
+        const held = [moved(cx, a.fromX(x0), a.fromX(x1)), moved(cy, a.fromY(y0), a.fromY(y1))];
+        if (held.every(Boolean)) [[x0, x1], [y0, y1]] = [held[0].map(a.X), held[1].map(a.Y)];
         if (done) {
           state.limits.set(cx.name, [x0, x1].sort((u, v) => u - v).map(a.fromX).map(rounded));
           setLimit(cy.name, rounded(a.fromY(y0)), rounded(a.fromY(y1)));

@@ -19,8 +19,8 @@ from footopt.report.numbers import title
 from footopt.report.style import PALETTE
 
 SCRIPTS = (  # in this order: each uses those before it
-    "tools.js", "soles.js", "contact.js", "simulate.js", "stage.js", "walk.js", "explore.js",
-    "draw.js", "main.js",
+    "tools.js", "soles.js", "contact.js", "simulate.js", "stage.js", "walk.js", "columns.js",
+    "explore.js", "draw.js", "main.js",
 )  # fmt: skip
 
 

@@ -1,12 +1,17 @@
 // Puts the page together: the answer, the designs, the chosen sole, its walk, the search and its settings.
 
+const badge = el("details", { id: "warnings" });
+/** Warnings of the run, and of the design that is shown. */
+function warn(i = data.best) {
+  const outside = i === undefined || i === data.best ? entry.warnings ?? [] : tooDeep(i), told = [...outside.map((text) => `Outside the tested range: ${text}.`), ...(data.warnings ?? [])];
+  badge.hidden = !told.length;
+  badge.replaceChildren(el("summary", {}, `${told.length} warning${told.length > 1 ? "s" : ""}`), ...told.map((text) => el("p", { class: "warning" }, text)));
+}
 /** The first lines: what this run is and what it found. */
 function headline() {
-  const warnings = [...(entry.warnings ?? []).map((text) => `Outside the tested range: ${text}.`), ...(data.warnings ?? [])]
-    .map((text) => el("p", { class: "warning" }, text));
-  const badge = el("details", { id: "warnings" }, el("summary", {}, `${warnings.length} warning${warnings.length > 1 ? "s" : ""}`), ...warnings);
+  warn();
   const [first, ...more] = data.headline ?? [], short = data.walks ? [] : more;
-  return [...(first ? [el("p", {}, first)] : []), ...short.map((text) => el("p", {}, text)), ...(warnings.length ? [badge] : [])];
+  return [...(first ? [el("p", {}, first)] : []), ...short.map((text) => el("p", {}, text)), badge];
 }
 
 /** The change of an objective: of J_W the multiple, of others in %. */
@@ -14,29 +19,35 @@ function change(value, base, column) {
   const ratio = value / base;
   if (!Number.isFinite(ratio) || Math.abs(base) < ROUNDING) return "–";
   if (column.name === "efficiency") return quantity(ratio, OF_FLAT);
+  if (Math.abs(ratio) >= 10) return `x ${number(+ratio.toPrecision(2))}`;
   return `${ratio >= 1 ? "+" : "−"}${Math.abs(100 * (ratio - 1)).toFixed(1)} %`;
 }
 
 /** A design's value of each column, the finest there is. */
 const valueOf = (i, c) => (i === data.best && data.bestValues ? data.bestValues[c] : values[i * WIDTH + c]);
 
-/** Relative changes of the best design against the flat foot under other sand laws. */
-const underLaws = (i, name) => ((i === data.best ? entry.laws : i === data.printed && entry.to_print.laws) || []).slice(1)
-  .map((law) => ({ law: law.law, share: law.change?.[name] })).filter(({ share }) => Number.isFinite(share ?? NaN));
+/** Relative changes of a design against the flat foot under other sand laws: as the run found them, or as this page does. */
+function underLaws(i, name) {
+  const known = i === data.best ? entry.laws ?? [] : i === data.printed ? entry.to_print.laws ?? [] : null;
+  return (known ? known.slice(1) : judgedHere(i).laws).map((law) => ({ law: law.law, share: law.change?.[name] })).filter(({ share }) => Number.isFinite(share ?? NaN));
+}
 const doubtful = (share, under) => under.some((u) => u.share * share < 0) ? ", sign not certain" : "";
+
+const errorOf = (i, name) => Math.abs((i === data.best ? entry.error_estimate : judgedHere(i).errors)?.[name] ?? NaN);
+/** The best of a search has its colour, any other sole that of the chosen one. */
+const colourOf = (i) => (i === data.best && data.objectives ? "var(--best)" : "var(--chosen)");
 
 /** Bars of change against the flat foot, with error ticks and circles under other sand laws. */
 function bars(i, width) {
-  const colour = i === data.best ? "var(--best)" : "var(--chosen)";
+  const colour = colourOf(i), sought = data.objectives ?? [], narrow = width < 450;
   const rows = data.columns.flatMap((column, c) => {
     const value = valueOf(i, c), base = entry.flat[column.name], share = value / base - 1;
     if (column.name === "efficiency" || !Number.isFinite(share) || Math.abs(base) < ROUNDING) return [];
-    const error = i === data.best && entry.error_estimate ? Math.abs(entry.error_estimate[column.name] / base) : NaN;
-    return [{ column, value, base, share, error, under: underLaws(i, column.name), better: (share > 0) === column.maximise }];
-  });
+    return [{ column, value, base, share, error: errorOf(i, column.name) / Math.abs(base), under: underLaws(i, column.name), better: (share > 0) === column.maximise }];
+  }).sort((a, b) => sought.includes(b.column.name) - sought.includes(a.column.name));
   const reach = ({ share, error, under }) => [share, ...(Number.isFinite(error) ? [share - error, share + error] : []), ...under.map((u) => u.share)];
   const [low, high] = range([-0.005, 0.005, ...rows.flatMap(reach)].map((v) => clip(v, -1, 2)), 0); // 1 % at least
-  const left = 70, right = 66, tall = 56, X = (v) => clip(left + ((v - low) / (high - low || 1)) * (width - left - right), 0, width);
+  const left = 70, right = 66, tall = 56, X = (v) => left + ((clip(v, low, high) - low) / (high - low || 1)) * (width - left - right);
   const made = svg("svg", { id: "bars", viewBox: `0 0 ${width} ${rows.length * tall + 4}`, height: rows.length * tall + 4, role: "img",
     "aria-label": `Change against the flat foot: ${rows.map((row) => `${row.column.title} ${change(row.value, row.base, row.column)}`).join(", ")}` });
   rows.forEach(({ column, value, base, share, error, under, better }, r) => {
@@ -44,36 +55,39 @@ function bars(i, width) {
     const ends = range([share, ...under.map((u) => u.share)], 0).map(X), past = (out < 0 ? Math.min : Math.max)(...reach({ share, error, under }).map(X));
     made.append(
       svg("text", { class: "halo", x: 0, y: r * tall + 14 }, svg("tspan", { style: "font-weight:600" }, column.title),
-        svg("tspan", { style: "fill:var(--grey)" }, `  ${quantity(value, column.unit)}${Number.isFinite(error) ? ` ± ${percent(Math.abs(error * base / value))}` : ""}, flat ${number(base)}${doubtful(share, under)}`)),
+        svg("tspan", { style: "fill:var(--grey)" }, `  ${quantity(value, column.unit)}${Number.isFinite(error) && !narrow ? ` ± ${percent(Math.abs(error * base / value))}` : ""}, flat ${number(base)}${doubtful(share, under)}`)),
       svg("line", { x1: X(0), x2: X(0), y1: y - 3, y2: y + 21, stroke: "var(--ink)", "stroke-width": 1.2 }),
       svg("rect", { class: "bar-of-change", "data-name": column.name, x: Math.min(X(0), end), y, width: Math.max(Math.abs(end - X(0)), 1), height: 18,
         fill: better ? colour : "var(--paper)", stroke: colour, "stroke-width": 1.5, ...(better ? {} : { "stroke-dasharray": "4 3" }) }),
       ...(under.length ? [svg("line", { class: "laws", x1: ends[0], x2: ends[1], y1: middle, y2: middle, stroke: "var(--ink)", "stroke-width": 1 }),
-        ...under.map((u) => svg("circle", { cx: X(u.share), cy: middle, r: 2.8, fill: "var(--paper)", stroke: "var(--ink)" }, svg("title", {}, `${u.law}: ${change(1 + u.share, 1, {})}`)))] : []),
+        ...under.map((u) => svg("path", { class: "law", d: u.share > high ? `M${X(high) - 4} ${middle - 4}l6 4l-6 4z` : `M${X(u.share) - 2.8} ${middle}a2.8 2.8 0 1 1 0 .01z`, fill: "var(--paper)", stroke: "var(--ink)" }, svg("title", {}, `${u.law}: ${change(1 + u.share, 1, {})}`)))] : []),
       ...(Number.isFinite(error) ? [svg("path", { class: "error", d: `M${X(share - error)} ${y - 3}v24M${X(share + error)} ${y - 3}v24M${X(share - error)} ${middle}H${X(share + error)}`, stroke: "var(--ink)", "stroke-width": 1.5 })] : []),
       svg("text", { x: past + 8 * out, y: middle + 4, "text-anchor": out < 0 ? "end" : "start", style: "font-weight:600" }, change(value, base, column)));
   });
   return made;
 }
 
-/** J_W against the flat foot's, with its range under other laws, and the raw values behind. */
+/** What was sought against the flat foot, with its range under other laws: J_W, or up to three objectives. */
 function gain(i) {
-  const c = data.columns.findIndex((column) => column.name === "efficiency"), base = entry.flat?.efficiency;
-  if (c < 0 || !Number.isFinite(valueOf(i, c) / base)) return "";
-  const under = underLaws(i, "efficiency"), [low, high] = range(under.map((u) => 1 + u.share), 0);
-  const laws = under.length ? `; x ${low.toFixed(2)} to ${high.toFixed(2)} under ${under.length} other laws of sand${doubtful(valueOf(i, c) / base - 1, under)}` : "";
-  return el("p", { id: "gain" }, el("strong", {}, `J_W ${change(valueOf(i, c), base, data.columns[c])}${laws}`),
-    el("span", { class: "note" }, ` (${number(valueOf(i, c))} against ${number(base)})`));
+  const sought = data.objectives?.length < 4 ? data.objectives : ["efficiency"], laws = underLaws(i, sought[0]).length;
+  const told = sought.flatMap((name) => {
+    const c = data.columns.findIndex((column) => column.name === name), value = valueOf(i, c), base = entry.flat?.[name];
+    if (c < 0 || !Number.isFinite(value / base)) return [];
+    const under = underLaws(i, name), ends = range(under.map((u) => 1 + u.share), 0), j = name === "efficiency";
+    const between = j ? ends.map((v) => v.toFixed(2)).join(" to ") : ends.map((v) => change(v, 1, {})).join(" to ");
+    return [`${j ? `J_W ${(value / base).toFixed(2)} times the flat foot's` : `${data.columns[c].title} ${change(value, base, data.columns[c])}`}${under.length ? ` (${between} under ${laws} other law${laws > 1 ? "s" : ""} of sand${doubtful(value / base - 1, under)})` : ""}`];
+  });
+  return told.length ? el("p", { id: "gain" }, el("strong", {}, told.join("; "))) : "";
 }
 
 /** All values of a design, with their errors, beside those of the flat foot. */
 function valueTable(i, flat = entry.flat) {
-  const errors = i === data.best && entry.error_estimate;
+  const errors = data.columns.some(({ name }) => Number.isFinite(errorOf(i, name)));
   return table(["", "this sole", ...(errors ? ["error"] : []), ...(flat ? ["flat sole", "change"] : [])],
     data.columns.map((column, c) => {
       const value = valueOf(i, c), base = flat?.[column.name];
       return [`${column.title}${column.unit ? `, ${column.unit}` : ""} (${column.maximise ? "max" : "min"})`, number(value),
-        ...(errors ? [percent(Math.abs(errors[column.name] / value), value)] : []), ...(flat ? [number(base), change(value, base, column)] : [])];
+        ...(errors ? [percent(errorOf(i, column.name) / Math.abs(value), value)] : []), ...(flat ? [number(base), change(value, base, column)] : [])];
     }));
 }
 
@@ -107,7 +121,7 @@ function designSection() {
     words.textContent = [k ? `k = [${k.join(",")}]` : "", `hollow ${(MM * hollow(points)).toFixed(1)} mm`, generation && chosen !== DRAWN ? `generation ${generation[chosen]}` : "",
       feasible[chosen] ? "" : `infeasible: ${reason(chosen)}`, chosen === DRAWN && feasible[chosen] ? sketch.reason : "", same ? "this is the flat foot" : flat ? `dashed: the flat foot${flat.reason ? `, whose walk failed: ${flat.reason}` : ""}` : ""].filter(Boolean).join("; ");
     const focus = document.activeElement?.dataset?.waypoint;
-    drawing.replaceChildren(soleDrawing(points, { width: widthOf(drawing), k, top: own("top", chosen), colour: data.runs ? COLOURS[chosen % COLOURS.length] : best ? "var(--best)" : "var(--chosen)",
+    drawing.replaceChildren(soleDrawing(points, { width: widthOf(drawing), k, top: own("top", chosen), colour: data.runs ? COLOURS[chosen % COLOURS.length] : colourOf(chosen),
       ghost: same ? null : flat?.points }));
     if (focus) drawing.querySelector(`[data-waypoint="${focus}"]`)?.focus({ preventScroll: true });
     const finer = best && data.bestValues, accuracy = data.runs ? "" : `Evaluated at accuracy ${(finer ? entry.accuracy : entry.search_accuracy ?? entry.accuracy)?.name}. `;
@@ -115,9 +129,10 @@ function designSection() {
     exact.hidden = !compared;
     numbers.replaceChildren(...(compared
       ? [gain(chosen), toPrint(), bars(chosen, Math.max(widthOf(numbers), 250)), el("p", { class: "note" }, "Solid: better than the flat foot; dashed: worse. Error ticks: the numerical error.",
-        underLaws(chosen, data.columns[0].name).length ? " Circles: the result under other sand laws." : "", ` ${accuracy}`, gain(chosen) && "J_W, which the paper minimises: −distance × mean height / (work × peak power × speed loss).")]
+        underLaws(chosen, data.columns[0].name).length ? ` Circles: the result under other sand laws${best || chosen === data.printed ? "" : `, those that this page simulates (${P.others.map(({ law }) => law).join(", ")})`}.` : "", ` ${accuracy}`, gain(chosen) && "J_W, which the paper minimises: −distance × mean height / (work × peak power × speed loss).")]
       : [scrolled("Values", valueTable(chosen, same ? null : entry.flat)), el("p", { class: "note" }, accuracy)]));
     exact.refresh();
+    warn(chosen);
     tools.redraw();
     step?.redraw();
   }
@@ -134,15 +149,13 @@ function designSection() {
 /** The chosen design in little, beside the scatter. */
 function glance() {
   const section = el("section", { id: "glance", "aria-label": "The chosen design" });
-  const step = data.walks && gait?.strikes.length ? stepLoop("glimpse", 200) : null;
   let chosen = data.best;
   const show = (i = chosen, keep = true) => {
     if (keep) chosen = i;
     section.replaceChildren(el("h3", {}, label(i)), el("figure", {}, soleDrawing(sole(i), { width: widthOf(section), height: 90, plain: true,
-      top: own("top", i), colour: i === data.best ? "var(--best)" : "var(--chosen)", ghost: data.walks && flatWalk()?.points })),
+      top: own("top", i), colour: colourOf(i), ghost: data.walks && flatWalk()?.points })),
     scrolled("Values of the chosen design", valueTable(i)),
-    step?.figure ?? "", el("p", {}, el("a", { href: "#design" }, "the whole answer"), ", ", el("a", { href: "#walk" }, "its walk")));
-    step?.show(i);
+    el("p", {}, el("a", { href: "#design" }, "the whole answer"), ", ", el("a", { href: "#walk" }, "its walk")));
   };
   return { section, show };
 }
@@ -166,10 +179,28 @@ function searchSection() {
     if (Number.isFinite(last)) a.svg.append(svg("circle", { cx: a.X(at.at(-1)), cy: a.Y(last), r: 3.5, fill: "var(--best)" }));
   };
   const section = el("section", { id: "search" }, el("h2", {}, "The search"),
-    several ? null : legend([{ name: "best so far", ...looks.best }, { name: "median of the generation", ...looks.median }]),
+    several ? null : legend([{ name: `best so far, at accuracy ${entry.search_accuracy?.name ?? entry.accuracy?.name}`, ...looks.best }, { name: "median of the generation", ...looks.median }]),
     el("figure", {}, holder),
     folded("The search as a table", () => table(["evaluations", ...(several ? ["hypervolume", "front"] : [`best ${named(ranking)}`, "median"])],
       data.history.map((r) => [r.evaluations, number(several ? r.best : ranking.show(r.best)), several ? r.front : number(ranking.show(r.median))].map(String)))));
+  return { section, draw };
+}
+
+/** Which waypoints mattered, from heel to toe, for each objective. */
+function importanceSection() {
+  const holders = data.importance.map(() => el("div", { class: "plot" }));
+  const draw = () => data.importance.forEach(({ name, shares, explained }, j) => {
+    const width = widthOf(holders[j]), wide = (width - 8) / shares.length, most = Math.max(...shares), title = columnOf(name).title;
+    holders[j].replaceChildren(svg("svg", { viewBox: `0 0 ${width} 132`, height: 132, role: "img", "aria-label": `Importance of waypoints for ${title}: ${shares.map((share, p) => `k${p + 1} ${percent(share)}`).join(", ")}` },
+      svg("text", { x: 4, y: 13 }, svg("tspan", { style: "font-weight:600" }, title), svg("tspan", { style: "fill:var(--grey)" }, `  the fit explains ${percent(explained)} of its variance`)),
+      ...shares.flatMap((share, p) => [
+        svg("rect", { class: "importance", x: 4 + wide * (p + 0.15), width: 0.7 * wide, y: 112 - (72 * share) / most, height: Math.max((72 * share) / most, 0.5), fill: "var(--designs)" }),
+        svg("text", { x: 4 + wide * (p + 0.5), y: 106 - (72 * share) / most, "text-anchor": "middle" }, wide > 24 ? `${Math.round(100 * share)}` : ""),
+        svg("text", { x: 4 + wide * (p + 0.5), y: 127, "text-anchor": "middle" }, wide > 24 ? `k${p + 1}` : `${p + 1}`)])));
+  });
+  const section = el("section", { id: "importance" }, el("h2", {}, "Which waypoints mattered"),
+    el("p", { class: "note" }, "Importance in %, from heel to toe, among the designs of this search: the rise of a quadratic fit's squared error where the levels of one waypoint are shuffled."),
+    el("div", { class: "grid plots" }, ...holders.map((holder) => el("figure", {}, holder))));
   return { section, draw };
 }
 
@@ -241,7 +272,17 @@ function footer() {
 }
 
 const chosen = []; // functions that show the chosen design
-const choose = (i) => chosen.forEach((show) => show(i));
+function choose(i) {
+  chosen.forEach((show) => show(i));
+  remember("sole", i === data.best ? "" : i === DRAWN ? [sketch.zeta, sketch.mass, ...(heights(i) ?? [])].join("_") : String(numbers ? numbers[i] : i));
+}
+/** Choose the sole of the address: a design, or one that was drawn. */
+function recall() {
+  const [zeta, mass, ...k] = (address.get("sole") ?? "").split("_").map(Number), known = mass === undefined && address.has("sole") ? (numbers ? numbers.indexOf(zeta) : zeta) : -1;
+  const drawn = sketch && zeta > 0 && mass > 0 && (kOf ? k.length === space.n && k.every((v) => Number.isInteger(v) && v > 0 && v <= space.K) : !k.length);
+  if (drawn) takeSketch({ k, zeta, mass });
+  choose(drawn ? DRAWN : known in feasible && known < COUNT ? known : data.best);
+}
 
 function build() {
   const main = document.getElementById("main");
@@ -251,13 +292,17 @@ function build() {
   const found = data.history?.length ? searchSection() : null, traces = data.traces?.length ? tracesSection() : null;
   if (data.figures) main.append(...studySections());
   if (data.runs) main.append(runsSection(choose));
-  main.append(...[COUNT && (small || COUNT === 1) ? design.section : null, walks?.section, explore?.section, found?.section, traces?.section].filter(Boolean));
+  const answer = [COUNT && (small || COUNT === 1) ? design.section : null, walks?.section], matters = data.importance?.length ? importanceSection() : null;
+  main.append(...[...(front.size ? [explore?.section, ...answer] : [...answer, explore?.section]), matters?.section, found?.section, traces?.section].filter(Boolean));
+  for (const select of document.querySelectorAll("select[id]")) // as the address has it
+    if ([...select.options].some(({ value }) => value === address.get(select.id))) select.value = address.get(select.id);
   if (data.entry) document.getElementById("footer").append(...footer());
   chosen.push(...(COUNT ? [design.show] : []), ...[walks?.show, small?.show, explore?.mark].filter(Boolean));
   if (traces) drawn(traces.draw);
   if (found) drawn(() => found.draw());
+  if (matters) drawn(matters.draw);
   if (explore) { explore.filter(); drawings.push(explore.redraw); }
-  if (COUNT) { choose(data.best); drawings.push(design.redraw); }
+  if (COUNT) { recall(); drawings.push(design.redraw); }
   if (walks) drawings.push(walks.redraw);
   if (small) drawings.push(() => small.show());
 }

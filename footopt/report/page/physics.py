@@ -3,6 +3,7 @@
 from dataclasses import asdict
 from typing import Any
 
+from footopt.design.scenarios import harder_and_softer, plausible_laws
 from footopt.effects import name_of
 from footopt.foot import Foot, Waypoints
 from footopt.foot.plates import CORNER, RULES
@@ -19,15 +20,19 @@ from footopt.walk.ladder import numerics
 from footopt.walk.loop import NEAR_PEAK, PEAK
 from footopt.walk.objectives import FLOORS
 from footopt.walk.steppers import STEPPERS
+from footopt.walk.validity import WHY
 
 STEPPER = "sdirk2"
 ROWS = 200_000  # poses, at most, of a walk that a browser is to tabulate: 22 MB
 
 
-def physics(scene: Scene, accuracy: AnyAccuracy, foot: Foot | Waypoints) -> dict[str, Any]:
+def physics(
+    scene: Scene, accuracy: AnyAccuracy, foot: Foot | Waypoints, spread: float = 0.0
+) -> dict[str, Any]:
     """The constants, in SI units, of the page's walks: of its one foot, or of all soles of a space.
 
-    Where the page cannot walk, only the reason, as "refusal".
+    `spread` is a standard deviation of the logarithm of zeta, by which other laws of sand differ. Where the
+    page cannot walk, only the reason, as "refusal".
     """
     accuracy = numerics(accuracy, scene, foot)
     if why := refusal(scene, accuracy, foot):
@@ -74,7 +79,17 @@ def physics(scene: Scene, accuracy: AnyAccuracy, foot: Foot | Waypoints) -> dict
             "repeats": MAX_REPEATS,
         },
         "arrows": ARROWS,
-        "effects": {name_of(e): e.law._asdict() for e in scene.effects if e.law is not None},
+        "effects": _laws(scene),
+        "others": [
+            {
+                "law": other.name,
+                "zeta": other.scene.sand.zeta / scene.sand.zeta,
+                "effects": _laws(other.scene),
+            }
+            for other in (*plausible_laws(scene), *harder_and_softer(scene, spread))
+            if other.scene != scene and all(e.in_page for e in other.scene.effects)
+        ],
+        "why": [WHY[name] for name in ("depth of the sole", "depth of the ankle")],
         "floors": FLOORS,
         "foot": {"ankle": foot.ankle, "width": foot.width},
         # of a sole without waypoints
@@ -82,6 +97,11 @@ def physics(scene: Scene, accuracy: AnyAccuracy, foot: Foot | Waypoints) -> dict
         if isinstance(foot, Foot) and foot.k is None
         else None,
     }
+
+
+def _laws(scene: Scene) -> dict[str, Any]:
+    """The laws of effects by their names."""
+    return {name_of(e): e.law._asdict() for e in scene.effects if e.law is not None}
 
 
 def spline(space: Waypoints) -> dict[str, Any]:

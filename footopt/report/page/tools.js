@@ -7,6 +7,13 @@ const COLOURS = Array.from({ length: 7 }, (_, i) => `var(--line-${i})`), DASHES 
 const runLine = (i) => ({ stroke: COLOURS[i % COLOURS.length], "stroke-dasharray": DASHES[i % 4] });
 /** A colour by its role, for a canvas, which reads no variables. */
 const ink = (colour) => getComputedStyle(document.documentElement).getPropertyValue(colour.replace(/^var\(|\)$/g, "")).trim();
+/** What the address keeps of the page, so that a link opens it as it is. */
+const address = new URLSearchParams([...new URLSearchParams(location.hash.slice(1))].filter(([, value]) => value));
+function remember(name, value) {
+  if (value) address.set(name, value); else address.delete(name);
+  history.replaceState(null, "", address.size ? `#${address}` : location.pathname + location.search);
+}
+addEventListener("change", ({ target }) => target.matches("select[id]") && remember(target.id, target.value));
 const clip = (v, low, high) => Math.min(Math.max(v, low), high);
 /** From 0 to 1 in colours that the colour-blind can tell apart (viridis). */
 function ramp(share) {
@@ -67,7 +74,7 @@ function number(value) {
   return text.replace("-", "−");
 }
 const OF_FLAT = "x of flat";
-const quantity = (value, unit) => unit === OF_FLAT ? `x ${value.toFixed(2)} of flat` : number(value) + (unit ? ` ${unit}` : "");
+const quantity = (value, unit) => unit === OF_FLAT ? `${value.toFixed(2)} x the flat foot's` : number(value) + (unit ? ` ${unit}` : "");
 /** A share of 1 with two digits; a dash where it is of nothing but rounding. */
 const percent = (share, of = 1) => Number.isFinite(share) && Math.abs(of) > ROUNDING ? `${share < ROUNDING ? 0 : +(100 * share).toPrecision(2)} %` : "–";
 const named = (column) => column.title + (column.unit ? ` (${column.unit})` : "");

@@ -155,8 +155,8 @@ function walkSection() {
 }
 
 /** A step, close, over and over: the first one, or the first on a patch; `show(i)` takes that of another design. */
-function stepLoop(id = "step", tall = 300) {
-  const holder = el("div", { class: "plot", id }), still = matchMedia("(prefers-reduced-motion: reduce)").matches;
+function stepLoop() {
+  const holder = el("div", { class: "plot", id: "step" }), still = matchMedia("(prefers-reduced-motion: reduce)").matches;
   const button = el("button", { type: "button", class: "loop", click: () => { state.playing = !state.playing; run(); } });
   const beside = el("span"), figure = el("figure", {}, holder, el("figcaption", {}, button, " A step at a quarter of its speed, with the forces on parts of the sole", beside));
   const begin = gait.strikes[gait.step], stride = 2 * ((gait.strikes[1] ?? NaN) - gait.strikes[0]), side = gait.step % 2 ? LEFT : RIGHT;
@@ -185,13 +185,12 @@ function stepLoop(id = "step", tall = 300) {
     beside.textContent = other ? "; dashed: the flat foot in step." : ".";
     const low = deepest(walk, begin - 0.06 * stride, begin + 0.72 * stride);
     const foot = (w) => pose(w, begin + 0.25 * stride)[side].leg[2][0];
-    state.mover = stage(holder, walk, { close: true, other, tall, x: [-0.26, 0.26], z: [low - Math.max(0.07, 0.3 * (0.13 - low)), 0.13],
+    state.mover = stage(holder, walk, { close: true, other, tall: 300, x: [-0.26, 0.26], z: [low - Math.max(0.07, 0.3 * (0.13 - low)), 0.13],
       fixed: { x: foot(walk) + 0.03, shift: other ? foot(walk) - foot(other) : 0 }, label: `One step of the ${SIDES[side]} foot in the sand, with the forces on its sole` });
     state.mover(state.t);
     run();
   }
-  const take = (i) => { state.walk = walkOf(i); };
-  return { figure, redraw, take, show: (i) => { take(i); redraw(); } };
+  return { figure, redraw, take: (i) => { state.walk = walkOf(i); } };
 }
 
 function sampleTable(walk) {

@@ -12,10 +12,12 @@ from footopt.design.result import SHOWN
 from footopt.foot import Foot, Waypoints
 from footopt.report.numbers import sand_title, title
 from footopt.report.page.file import column, packed
+from footopt.report.page.importance import importance
 from footopt.report.page.physics import physics, spline
 from footopt.report.stage import forces_along, ground, groups
 from footopt.report.style import sides
-from footopt.report.terminal import describe_confirmation, describe_foot, describe_scene, describe_search
+from footopt.report.terminal import describe_confirmation, describe_scene, describe_search
+from footopt.sand.law import EARTH
 from footopt.walk import MEASURES, Scene, Simulator, Walk
 from footopt.walk.accuracy import AnyAccuracy
 from footopt.walk.phases import step_on_patch
@@ -24,7 +26,8 @@ FRAMES = 250  # samples of a walk's forces along the sole
 SAMPLES = 4  # of its other traces, at most, for each of them
 TRACES = ("com", "velocity", "force", "power", "work")
 ON_THE_PAGE = ("front", "front_values", "confirmed")  # as designs, not as entries of result.json
-HOLLOW = 0.5e-3  # m; a smaller one is called none
+HOLLOW = 0.1  # of the height of a space's box; a smaller one is not named
+PLANETS = {3.73: " on Mars", 1.62: " on the Moon"}
 POSE_STEP = 0.01  # s, between the poses of the gait
 OUTSIDE = "a robot walks in MuJoCo, not in the page"
 
@@ -39,8 +42,8 @@ def walk_content(walk: Walk, entry: dict[str, Any], flat: Walk | None = None) ->
     space = foot.space if foot.k is not None else None
     return {
         **_common(entry, walk.scene, tuple(values), walk.accuracy, foot, walk),
-        "title": f"{title(foot.name)} on {sand_title(walk.world.sand)}",
-        "headline": [f"{describe_scene(walk.scene)}; {describe_foot(foot)}"],
+        "title": f"A walk on {place(walk.world)}: {title(foot.name)}",
+        "headline": [describe_scene(walk.scene)],
         "space": space and spline(space),
         "top": foot.top,
         "designs": {
@@ -76,10 +79,10 @@ def search_content(
     rows = np.union1d(result.shown, [*even, chosen, *printed])
     reasons, codes = np.unique(result.reasons[rows], return_inverse=True)
     certificate = entry.get("certificate")
-    kind = "A hollow foot" if best.foot.hollow >= HOLLOW else "A foot without a hollow"
+    kind = "A hollow foot" if best.foot.hollow > HOLLOW * problem.space.H else "A foot"
     return {
         **_common(entry, problem.scene, problem.record, problem.accuracy, problem.space, best),
-        "title": f"{kind} for {sand_title(best.world.sand)}",
+        "title": f"{kind} for {place(best.world)}",
         "headline": [
             f"Soles for {', '.join(map(title, problem.names))} on {describe_scene(problem.scene)}",
             search,
@@ -110,7 +113,17 @@ def search_content(
             {"evaluations": g.evaluations, "best": g.hypervolume if several else g.best,
              "median": g.median, "front": g.front} for g in result.history
         ],
+        "importance": [
+            {"name": name, **found}
+            for name in problem.names if (found := importance(result.k, result.column(name)))
+        ],
     }  # fmt: skip
+
+
+def place(world: Scene) -> str:
+    """The sand of a scene, and where it is unless on the Earth."""
+    elsewhere = "" if abs(world.g - EARTH) < 1e-9 else f", gravity {world.g:g} m/s^2"
+    return sand_title(world.sand) + PLANETS.get(world.g, elsewhere)
 
 
 def _common(
@@ -122,13 +135,15 @@ def _common(
     walk: Walk,
 ) -> dict[str, Any]:
     """The columns of values, the scene's gait, the constants of walks, and the run's own entry."""
-    world = walk.world
+    world, spread = walk.world, entry.get("settings", {}).get("sand", {}).get("spread", 0.0)
     return {
         "columns": [column(name, MEASURES[name].unit, MEASURES[name].maximise) for name in names],
         "entry": {name: value for name, value in entry.items() if name not in ON_THE_PAGE},
         "ground": ground(world),
         "sides": [side for side, _ in sides(walk)],
-        "physics": physics(scene, accuracy, foot) if isinstance(scene, Scene) else {"refusal": OUTSIDE},
+        "physics": physics(scene, accuracy, foot, spread)
+        if isinstance(scene, Scene)
+        else {"refusal": OUTSIDE},
         "gait": {
             "end": world.duration,
             "angles": packed(_angles(world)),
