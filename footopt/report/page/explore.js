@@ -18,7 +18,7 @@ function explorer(choose, beside, glimpse) {
     return [at(0.025), at(0.975), ...[data.best, state.chosen].filter((i) => feasible[i]).map(c.of)];
   }
   const state = { limits: new Map(), chosen: data.best, shown: [], passing: [], near: -1, sort: null, way: 1 };
-  for (const part of address.get("limits")?.split("_") ?? []) {
+  for (const part of address.get("limits")?.split(",") ?? []) {
     const [name, low, high] = part.split("~");
     if (columnOf(name) && +low <= +high) state.limits.set(name, [+low, +high]);
   }
@@ -128,7 +128,7 @@ function explorer(choose, beside, glimpse) {
     passes.fill(0);
     for (const i of state.passing) passes[i] = 1;
     if (!same || zoom.value === "limits") ends.clear();
-    remember("limits", [...state.limits].map(([name, pair]) => [name, ...pair].join("~")).join("_"));
+    remember("limits", [...state.limits].map(([name, pair]) => [name, ...pair].join("~")).join(","));
     count.textContent = `${state.passing.length} of ${state.shown.length} designs within the limits`;
     for (const [name, pair] of fields) pair.forEach((field, end) => {
       const limit = state.limits.get(name)?.[end] ?? NaN;

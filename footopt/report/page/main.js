@@ -37,6 +37,12 @@ const errorOf = (i, name) => Math.abs((i === data.best ? entry.error_estimate : 
 /** The best of a search has its colour, any other sole that of the chosen one. */
 const colourOf = (i) => (i === data.best && data.objectives ? "var(--best)" : "var(--chosen)");
 
+/** How far the law itself may be off, from experiments on sand. */
+function ofTheLaw() {
+  const poor = Object.entries(entry.model_error ?? {}).filter(([name, error]) => error >= 0.5 && name !== "efficiency");
+  return poor.length ? ` The law of the sand errs by up to ${Math.round(100 * Math.max(...poor.map(([, error]) => error)))} % in ${poor.map(([name]) => name.replaceAll("_", " ")).join(", ")}: compare feet, do not read values as measurements.` : "";
+}
+
 /** Bars of change against the flat foot, with error ticks and circles under other sand laws. */
 function bars(i, width) {
   const colour = colourOf(i), sought = data.objectives ?? [], narrow = width < 450;
@@ -129,8 +135,8 @@ function designSection() {
     exact.hidden = !compared;
     numbers.replaceChildren(...(compared
       ? [gain(chosen), toPrint(), bars(chosen, Math.max(widthOf(numbers), 250)), el("p", { class: "note" }, "Solid: better than the flat foot; dashed: worse. Error ticks: the numerical error.",
-        underLaws(chosen, data.columns[0].name).length ? ` Circles: the result under other sand laws${best || chosen === data.printed ? "" : `, those that this page simulates (${P.others.map(({ law }) => law).join(", ")})`}.` : "", ` ${accuracy}`, gain(chosen) && "J_W, which the paper minimises: −distance × mean height / (work × peak power × speed loss).")]
-      : [scrolled("Values", valueTable(chosen, same ? null : entry.flat)), el("p", { class: "note" }, accuracy)]));
+        underLaws(chosen, data.columns[0].name).length ? ` Circles: the result under other sand laws${best || chosen === data.printed ? "" : `, those that this page simulates (${P.others.map(({ law }) => law).join(", ")})`}.` : "", ` ${accuracy}`, gain(chosen) && "J_W, which the paper minimises: −distance × mean height / (work × peak power × speed loss).", ofTheLaw())]
+      : [scrolled("Values", valueTable(chosen, same ? null : entry.flat)), el("p", { class: "note" }, accuracy, ofTheLaw())]));
     exact.refresh();
     warn(chosen);
     tools.redraw();
