@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import math
 import pickle
 import threading
 from collections.abc import Mapping, Sequence
@@ -20,6 +21,7 @@ from footopt.mujoco.callback import ATTACHED, FORGOT, MOST, callback, compiled, 
 from footopt.mujoco.faces import COLUMNS
 from footopt.mujoco.implicit import ROOM
 from footopt.mujoco.intrusion import Grains, xi_of
+from footopt.mujoco.memory import memory, remembering
 from footopt.mujoco.native import functions
 from footopt.mujoco.step import BEGIN, BEND, BODY, COUNTED, END, FREEDOM, MEAN, STEP, TRACED, Workspace
 from footopt.sand import Sand
@@ -120,7 +122,7 @@ class Contact:
             first += table.shape[1]
             _need_no_floor(model, row, body["reach"])
         step, n = np.zeros(1, STEP), 6 * len(feet)
-        step["start"], step["dt"], step["gravity"] = -np.inf, model.opt.timestep, model.opt.gravity
+        step["dt"], step["gravity"] = model.opt.timestep, model.opt.gravity
         step["rk4"] = model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
         step["length"] = found.bristle_length or BRISTLE_LENGTH
         step["bypass"] = once.bypass
@@ -131,16 +133,20 @@ class Contact:
             *(steps[i].address for i in range(BEGIN, BEND + 1)), wrenches.address,
             step["time"].ctypes.data, jacobian.ctypes.data, ctypes.addressof(FORGOT),
         )  # fmt: skip
-        self._space = Workspace(
+        shapes = ((1, 3), (2, len(feet)), (2, model.nv), (3, 3 * first), (6, n))  # that steps leave
+        ends = np.cumsum([math.prod(shape) for shape in shapes]).tolist()
+        self.memory = memory(model, data, ends[-1])
+        parts = zip(np.split(self.memory, ends[:-1]), shapes, strict=True)
+        self._space = Workspace._make((
             step, bodies, _freedoms(mujoco, model), model.M_colind[None].astype(np.int64), data.M[None],
             data.xpos, data.xmat.reshape(-1, 9), data.qvel[None], data.qfrc_passive[None],
-            np.concatenate(tables)[None], np.zeros((3, 3 * first)), np.zeros((6, n)), jacobian,
+            np.concatenate(tables)[None], *(part.reshape(shape) for part, shape in parts), jacobian,
             np.zeros((n // 6, 9)), np.full((traced, n), np.nan), np.zeros((traced * remembers, 3 * first)),
             np.zeros((3, n), np.int64), np.zeros((1, data.M.size)), np.zeros((model.nv, n)),
             np.zeros((1, model.nv)), np.zeros((n, n)), np.zeros((n, 6)), np.zeros((n + 1, n + 1)),
             np.zeros((ROOM, n)), np.array([outside]),
-        )  # fmt: skip
-        self.data, self.names, self._bodies = data, tuple(feet), bodies
+        ))  # fmt: skip
+        self.model, self.data, self.names, self._bodies = model, data, tuple(feet), bodies
         self.acting = found.effects
         self.addresses = np.array([(a.ctypes.data, *a.shape, 0)[:3] for a in self._space])
         _keep(self)
@@ -186,7 +192,7 @@ class Contact:
     @property
     def work(self) -> dict[str, float]:
         """Of the sand on each body since it was attached, J."""
-        return self._by_name((self._bodies["work"] + self._bodies["pending"]).tolist())
+        return self._by_name(self._space.spent.sum(axis=0).tolist())
 
     @property
     def depth(self) -> dict[str, float]:
@@ -207,7 +213,21 @@ class Contact:
         return dict(zip(self.names, values, strict=True))
 
 
-attach = Contact
+def attach(model: Any, data: Any, feet: Mapping[str, Foot | str], *given: Any, **options: Any) -> Contact:
+    """`Contact` of a model, or of a mujoco.MjSpec, with None for data: it has `model` and `data` of it.
+
+    States of such a model (`mujoco.mj_getState`) hold the sand's memory: any data of it, with the same feet
+    attached, go on from them to the same bits.
+    """
+    mujoco = needed("mujoco", "footopt.mujoco", "mujoco")
+    if isinstance(model, mujoco.MjSpec):
+        check(data is None, "data", data, "None with a specification", "It is made of the compiled model.")
+        plain = model.copy().compile()
+        sand = Contact(plain, mujoco.MjData(plain), feet, *given, **options)
+        sand.detach()
+        model = remembering(model, sand.memory.size)
+        data = mujoco.MjData(model)
+    return Contact(model, data, feet, *given, **options)
 
 
 @lru_cache(maxsize=32)

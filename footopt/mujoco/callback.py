@@ -10,26 +10,8 @@ import numpy as np
 from numba import carray, cfunc, types
 
 from footopt.mujoco import implicit
+from footopt.mujoco import step as steps
 from footopt.mujoco.native import call, entry, functions, pointer
-from footopt.mujoco.step import (
-    BEGIN,
-    BEND,
-    GET_STATE,
-    HOLD,
-    JAC_BODY,
-    JACOBIAN,
-    MEAN,
-    NEWTON,
-    PREPARE,
-    RESTART,
-    TIME,
-    WARN,
-    WORDS,
-    begin,
-    leave_trace,
-    meaning_of,
-    workspace,
-)  # fmt: skip
 from footopt.walk.own_code import own_code
 
 MOST = 256  # models on sand at once in one process
@@ -43,27 +25,27 @@ FORGOT = ctypes.create_string_buffer(b"footopt: time or time step jumped: sand a
 
 def passive(model, data, address):
     """Step the sand of a `Workspace`."""
-    space = workspace(address)
+    space = steps.workspace(address)
     step, outside, columns = space.step[0], space.outside[0], space.jacobian.shape[1]
-    call(outside[GET_STATE], (model, data, outside[TIME], np.int32(1)))  # mjSTATE_TIME
-    meaning = meaning_of(step)
+    call(outside[steps.GET_STATE], (model, data, outside[steps.TIME], np.int32(1)))  # mjSTATE_TIME
+    meaning = steps.meaning_of(step, space.moment[0])
     for b in range(len(space.bodies)):
-        linear, body = outside[JACOBIAN] + 48 * columns * b, np.int32(space.bodies[b].row)
-        call(outside[JAC_BODY], (model, data, linear, linear + 24 * columns, body))
-    if call(outside[BEGIN], (address, meaning)):
-        call(outside[PREPARE], (address,))
+        linear, body = outside[steps.JACOBIAN] + 48 * columns * b, np.int32(space.bodies[b].row)
+        call(outside[steps.JAC_BODY], (model, data, linear, linear + 24 * columns, body))
+    if call(outside[steps.BEGIN], (address, meaning)):
+        call(outside[steps.PREPARE], (address,))
         for stage in range(2):
             implicit.predict(address, stage)
-            call(outside[NEWTON], (address, stage))
-            call(outside[BEND], (address, stage))
+            call(outside[steps.NEWTON], (address, stage))
+            call(outside[steps.BEND], (address, stage))
         implicit.give(address)
-        if meaning == RESTART and step.restarts == 2 and step.time > 0.0:
-            call(outside[WARN], (outside[WORDS],))  # it forgets for the first time
-    if meaning != HOLD:
-        leave_trace(address)
+        if meaning == steps.RESTART and step.restarts == 2 and step.time > 0.0:
+            call(outside[steps.WARN], (outside[steps.WORDS],))  # it forgets for the first time
+    if meaning != steps.HOLD:
+        steps.leave_trace(address)
     for i in range(len(space.jacobian)):
         for k in range(columns):
-            space.passive[0, k] += space.jacobian[i, k] * space.vectors[MEAN, i]
+            space.passive[0, k] += space.jacobian[i, k] * space.vectors[steps.MEAN, i]
 
 
 @lru_cache(maxsize=1)
@@ -71,10 +53,10 @@ def compiled() -> dict[Any, Any]:
     """The step of any sand, by its functions."""
     one, whole = types.intp, types.int32
     return {
-        BEGIN: entry(begin, one, one, returns=whole),
-        PREPARE: entry(implicit.prepare, one),
-        NEWTON: entry(implicit.newton, one, one),
-        BEND: entry(implicit.bend, one, one),
+        steps.BEGIN: entry(steps.begin, one, one, returns=whole),
+        steps.PREPARE: entry(implicit.prepare, one),
+        steps.NEWTON: entry(implicit.newton, one, one),
+        steps.BEND: entry(implicit.bend, one, one),
         "lift": entry(implicit.lift, one),
         "passive": entry(passive, one, one, one),
     }

@@ -15,9 +15,10 @@ import numpy as np
 
 from footopt.compiled import called_fast, inlined_fast
 from footopt.effects import Laws
+from footopt.mujoco import step as steps
 from footopt.mujoco.faces import COLUMNS, cross, dot, forces, moved, plus
 from footopt.mujoco.native import call
-from footopt.mujoco.step import BEFORE, END, FREE, GAINED, MEAN, TWIST, WRENCHES, inner, workspace
+from footopt.mujoco.step import inner, workspace
 from footopt.walk.contact import rsqrt
 from footopt.walk.steppers.implicit import SDIRK2
 
@@ -152,7 +153,7 @@ def newton(address, stage):
     for p in range(len(moves)):
         v[moves[p]] = room[AHEAD, moves[p]] + c * inner(space.mobility[p, :n], load)
     for _ in range(MAX_NEWTON):
-        call(space.outside[0, WRENCHES], (address, stage, c))
+        call(space.outside[0, steps.WRENCHES], (address, stage, c))
         for i in range(n):
             rest[i] = f[i] - load[i]
         gain = inner(dv, rest)
@@ -194,7 +195,7 @@ def bend(address, stage):
         body, way = space.bodies[space.chosen[0, k]], room[WAY, 6 * k : 6 * k + 6]
         twist, f = room[TWISTS, 6 * k : 6 * k + 6], room[FORCES, 6 * k : 6 * k + 6]
         body.power = inner(f, twist)
-        body.pending += weight * body.power
+        space.spent[steps.PENDING, space.chosen[0, k]] += weight * body.power
         for i in range(6):
             room[SUM, 6 * k + i] += weight / step.dt * f[i]
             way[i] = room[BASE, 6 * k + i] + c * twist[i]
@@ -221,8 +222,8 @@ def prepare(address):
             near[bodies] = b
             for i in range(6):
                 row, r = 6 * b + i, 6 * bodies + i
-                room[BASE, r], room[FORCES, r] = -0.5 * step.dt * vectors[TWIST, row], vectors[BEFORE, row]
-                room[SUM, r] = 0.0
+                room[BASE, r], room[SUM, r] = -0.5 * step.dt * vectors[steps.TWIST, row], 0.0
+                room[FORCES, r] = vectors[steps.BEFORE, row]
                 if inner(space.jacobian[row], space.jacobian[row]) > 0.0:
                     moves[n], rows[n] = r, row
                     n += 1
@@ -234,10 +235,10 @@ def prepare(address):
         for i in range(6 * bodies):
             row[i] = 0.0
         for k in range(len(own)):
-            pull += x[k, p] * space.freedoms[k].pull
+            pull += x[k, p] * space.drift[steps.PULL, k]
             for q in range(n):
                 row[moves[q]] += own[k] * x[k, q]
-        room[FREELY, moves[p]] = vectors[FREE, rows[p]] - pull
+        room[FREELY, moves[p]] = vectors[steps.FREE, rows[p]] - pull
 
 
 @called_fast
@@ -249,7 +250,7 @@ def predict(address, stage):
     for p in range(step.able):
         i = space.chosen[1, p]
         ahead = step.dt if stage else GAMMA * step.dt
-        room[AHEAD, i] = vectors[TWIST, space.chosen[2, p]] + ahead * room[FREELY, i]
+        room[AHEAD, i] = vectors[steps.TWIST, space.chosen[2, p]] + ahead * room[FREELY, i]
         if stage:
             room[AHEAD, i] += r * inner(space.mobility[p, :n], room[FORCES, :n])
             room[BASE, i] += r * room[TWISTS, i]
@@ -262,14 +263,14 @@ def give(address):
     step, vectors, gained = space.step[0], space.vectors, space.gained[0]
     for i in range(6 * step.bodies):
         row = 6 * space.chosen[0, i // 6] + i % 6
-        vectors[MEAN, row], vectors[END, row] = space.room[SUM, i], space.room[FORCES, i]
+        vectors[steps.MEAN, row], vectors[steps.END, row] = space.room[SUM, i], space.room[FORCES, i]
     for k in range(len(gained)):
         gained[k] = 0.0
     for p in range(step.able):
         for k in range(len(gained)):
             gained[k] += space.answers[k, p] * space.room[SUM, space.chosen[1, p]]
-    for i in range(len(vectors[GAINED])):
-        vectors[GAINED, i] = inner(space.jacobian[i], gained)
+    for i in range(len(vectors[steps.GAINED])):
+        vectors[steps.GAINED, i] = inner(space.jacobian[i], gained)
 
 
 def lift(address):
@@ -291,7 +292,7 @@ def lift(address):
         middle, more = 0.5 * (low + high), -step.weight
         for b in range(len(bodies)):
             bodies[b].height = space.places[bodies[b].row, 2] + middle
-        call(space.outside[0, WRENCHES], (address, 0, 0.0))
+        call(space.outside[0, steps.WRENCHES], (address, 0, 0.0))
         for b in range(len(bodies)):
             for a in range(3):
                 more += space.frame[b, 6 + a] * space.room[FORCES, 6 * b + a]

@@ -21,10 +21,8 @@ COUNTED = ("steps", "evaluations", "failures", "restarts")
 #: A step of MuJoCo.
 STEP = np.dtype(
     [
-        ("start", float),  # s; -inf before the first one
         ("dt", float),  # s
         ("rk4", np.int64),  # 1 where the integrator is RK4, 0 elsewhere
-        ("seen", np.int64),  # of RK4's stages: 1 once the step's middle has been called for, 2 once its end
         ("time", float),  # s: MuJoCo's
         ("bypass", np.int64),  # 1 where the gates of effects are not applied
         ("bodies", np.int64),  # near the sand
@@ -50,8 +48,6 @@ BODY = np.dtype(
         ("near", np.int64),  # 1 if it may touch sand within the step
         ("height", float),  # of its origin in the middle of the step, m
         ("power", float),  # of the sand at the step's end, W
-        ("pending", float),  # its work over the step, J
-        ("work", float),  # over the steps before, J
         ("depth", float),  # of the deepest face at the step's beginning, m
     ]
 )
@@ -64,8 +60,6 @@ FREEDOM = np.dtype(
         ("implicit", float),  # damping that MuJoCo's integrator adds to the inertia, N m s
         ("damping", float),  # of joint and servos, N m s
         ("stiffness", float),  # N m
-        ("speed", float),  # 1/s
-        ("pull", float),  # by which damping and stiffness pull back more than in the step before, N m
     ]
 )
 
@@ -73,6 +67,14 @@ FREEDOM = np.dtype(
 #: and N m; accelerations by all but the sand, and by the sand; mean wrenches that it gives, and the end's.
 TWIST, BEFORE, FREE, GAINED, MEAN, END = range(6)
 
+
+#: Columns of `Workspace.moment`: whether there was a step, when it began, s, and RK4's stages since then.
+BEGAN, START, SEEN = range(3)
+#: Rows of `Workspace.spent`: work of the sand over the steps before, J, and over the step.
+WORK, PENDING = range(2)
+#: Rows of `Workspace.drift`: speeds, and by how much more damping and stiffness pull back than in the step
+#: before, N m.
+SPEED, PULL = range(2)
 
 #: Addresses: functions of MuJoCo's, of footopt's, and what is read and written.
 GET_STATE, JAC_BODY, WARN, BEGIN, PREPARE, NEWTON, BEND, WRENCHES, TIME, JACOBIAN, WORDS, OUTSIDE = range(12)
@@ -95,6 +97,9 @@ class Workspace(NamedTuple):
     velocity: Any  # (1, nv): qvel
     passive: Any  # (1, nv): qfrc_passive
     faces: Any  # (1, 10 p): `faces.X` and so on, a body's as (10, its faces)
+    moment: Any  # (1, 3)
+    spent: Any  # (2, b)
+    drift: Any  # (2, nv)
     bristles: Any  # (3, 3 p): at the step's beginning, middle, end
     vectors: Any  # (6, 6 b): of the bodies' origins in their own axes, linear, then angular; see `TWIST`
     jacobian: Any  # (6 b, nv): of all bodies; `align` turns it
@@ -142,16 +147,16 @@ workspace = intrinsic(_workspace)
 
 
 @inlined
-def meaning_of(step):
+def meaning_of(step, moment):
     """The meaning of a call: the same step AGAIN, a NEW one, a stage of RK4 to HOLD, or a RESTART."""
-    passed = (step.time - step.start) / step.dt
+    passed = (step.time - moment[START]) / step.dt if moment[BEGAN] > 0.0 else np.inf
     if abs(passed) < 1e-6:
         return AGAIN
     ends = abs(passed - 1.0) < 1e-6
-    if step.rk4 and (abs(passed - 0.5) < 1e-6 or (ends and step.seen == 1)):
-        step.seen = 2 if ends else 1
+    if step.rk4 and (abs(passed - 0.5) < 1e-6 or (ends and moment[SEEN] == 1.0)):
+        moment[SEEN] = 2.0 if ends else 1.0
         return HOLD
-    step.start, step.seen = step.time, 0
+    moment[BEGAN], moment[START], moment[SEEN] = 1.0, step.time, 0.0
     return NEW if ends else RESTART
 
 
@@ -212,12 +217,12 @@ def begin(address, meaning):
         body.depth, body.near = max(-low, 0.0), low < margin
         any_near = any_near or low < margin
         if meaning == NEW:
-            body.work += body.pending
+            space.spent[WORK, b] += space.spent[PENDING, b]
         elif meaning == RESTART:
             count = body.last - body.first
             for i in range(3 * count):
                 space.bristles[2, 3 * body.first + i] = -frame[6 + i // count]
-        body.power = body.pending = 0.0
+        body.power = space.spent[PENDING, b] = 0.0
     align(address)
     step.steps += meaning == NEW
     step.restarts += meaning == RESTART
@@ -236,8 +241,8 @@ def begin(address, meaning):
     if meaning != AGAIN:
         for k in range(len(space.freedoms)):
             freedom, speed = space.freedoms[k], velocity[k]
-            pull = freedom.damping * (speed - freedom.speed) + step.dt * freedom.stiffness * speed
-            freedom.pull, freedom.speed = pull if meaning == NEW else 0.0, speed
+            pull = freedom.damping * (speed - space.drift[SPEED, k]) + step.dt * freedom.stiffness * speed
+            space.drift[PULL, k], space.drift[SPEED, k] = pull if meaning == NEW else 0.0, speed
     for i in range(space.bristles.shape[1]):
         if meaning != AGAIN:
             space.bristles[0, i] = space.bristles[2, i]
@@ -257,7 +262,7 @@ def leave_trace(address):
         f = space.vectors[END, 6 * b], space.vectors[END, 6 * b + 1], space.vectors[END, 6 * b + 2]
         for a in range(3):
             out[a] = dot((axes[3 * a], axes[3 * a + 1], axes[3 * a + 2]), f)
-        out[3], out[4], out[5] = body.power, body.work + body.pending, body.depth
+        out[3], out[4], out[5] = body.power, space.spent[WORK, b] + space.spent[PENDING, b], body.depth
     if row < len(space.history):
         for i in range(space.bristles.shape[1]):
             space.history[row, i] = space.bristles[2, i]

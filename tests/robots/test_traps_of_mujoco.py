@@ -101,6 +101,47 @@ def test_sand_that_loses_its_bristles_says_so(block, request):
         assert not said
 
 
+@pytest.mark.parametrize("integrator", ["Euler", "RK4", "implicitfast"])
+def test_states_of_a_specifications_model_hold_the_sands_memory(request, integrator):
+    """Restored, copied, reset, and in chunks of rollouts it goes on to the same bits."""
+    spec = mujoco.MjSpec.from_string(shared.BLOCK.format(dt=1e-3, integrator=integrator, height=0.03))
+    kind, feet, said = mujoco.mjtState.mjSTATE_FULLPHYSICS, {"foot": fo.Foot.flat()}, []
+    before = mujoco.get_mju_user_warning()
+    request.addfinalizer(lambda: mujoco.set_mju_user_warning(before))
+    mujoco.set_mju_user_warning(said.append)
+
+    def attached(model, data):
+        contact = attach(model, data, feet, HARD)
+        request.addfinalizer(contact.detach)
+        return contact
+
+    sand = attached(spec, None)
+    model, data = sand.model, sand.data
+    start = np.zeros((2, mujoco.mj_stateSize(model, kind)))
+    data.qvel[:2] = 0.3, 0.1
+    for state in start:
+        mujoco.mj_step(model, data, nstep=300)
+        mujoco.mj_getState(model, data, state, kind)
+    mujoco.mj_setState(model, data, start[0], kind)
+    copied, other = copy.copy(data), mujoco.MjData(model)
+    for one in (data, copied):
+        attached(model, one)
+        mujoco.mj_step(model, one, nstep=300)
+    attached(model, other)
+    first, _ = rollout.rollout(model, [other], start[:1], nstep=100)
+    second, _ = rollout.rollout(model, [data], first[:, -1], nstep=200)
+    places = slice(1, 1 + model.nq)
+    for place in (data.qpos, copied.qpos, second[0, -1, places]):
+        np.testing.assert_array_equal(place, start[1, places])
+    mujoco.mj_resetData(model, data)
+    data.qvel[:2] = 0.3, 0.1
+    mujoco.mj_step(model, data, nstep=600)
+    np.testing.assert_array_equal(data.qpos, start[1, places])
+    assert not said
+    with pytest.raises(SettingError, match="feet"):
+        attach(model, other, feet, HARD, plates=32)
+
+
 def test_a_second_attachment_takes_the_place_of_the_first(block):
     model, data, first = block(height=0.03)
     second = attach(model, data, {"foot": fo.Foot.flat()}, HARD)
