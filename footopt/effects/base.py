@@ -15,8 +15,7 @@ The force on a plate of area dA is then zeta load share (a - M h) dA - push n dA
 are numbers with their derivatives (`footopt.effects.dual`), so that they give theirs: write them with + - * /
 and that module's functions. A new effect is a file beside this one, or a user's own: a law, a dataclass, and
 an entry in `EFFECTS` by which settings find it. Every parameter has a default, and a numpydoc section
-*Parameters* is its help. A push is called for plates in the air, too, and has to be 0 at a depth of 0; it is
-left out of the walker's first instant.
+*Parameters* is its help. A push is called for plates in the air, too, and has to be 0 at a depth of 0.
 """
 
 from __future__ import annotations

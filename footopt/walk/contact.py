@@ -194,8 +194,9 @@ def foot_force(law, acting, part, ankle, turning_speed, stage, h0):
 
 
 @inlined
-def part_force(world, acting, sole, first, last, ankle, turning_speed, stage, h0):
+def part_force(world, sole, first, last, ankle, turning_speed, stage, h0):
     """`foot_force` of the plates first..last of a sole, without the gates where they are bypassed."""
+    acting = world.effects
     if world.bypass:
         part = plates_between(sole, acting.pushes, first, last)
         laws = Laws(acting.loads, None, acting.pushes)
@@ -245,7 +246,7 @@ def contact(world, sole, poses, hip, turning_speed, stage, h0, counts):
         if first < last:
             counts.plates += last - first
             bristles = bristles_between(h0, foot, first, last)
-            force = part_force(world, world.effects, sole, first, last, ankle, turning_speed, stage, bristles)
+            force = part_force(world, sole, first, last, ankle, turning_speed, stage, bristles)
         left, right = right, force
     return Contact(left, right, no_contact().turning)
 

@@ -3,20 +3,20 @@
 import numpy as np
 
 from footopt.compiled import inlined
-from footopt.effects import Laws
 from footopt.walk.contact import bristles_between, part_force, submerged
 from footopt.walk.state import Ankle, ankle_of, lowest
 
-SLOW = 1e-9  # m/s: a turning speed that changes no force of plates that move at 1 m/s
+DOWN = 2.0**-40  # m/s: too slow to change a pressure of an effect, and a power of two, which rounds nothing
+SLOW = 1e-9 * DOWN  # m/s: a turning speed that changes no force of plates that move as fast
 
 
 @inlined
 def static_height(world, sole, poses, h0):
     """Hip height (m) at which the limit forces of downward motion on both feet carry the weight.
 
-    Vertical balance only: eq. 2 with h = (0, -1) on every plate. The pressures (pushes) of effects are
-    left out, even one that would not vanish at rest. NaN if even at the surface the forces do not carry
-    the weight. Found by the Illinois method, which takes a tenth of the evaluations of bisection.
+    Vertical balance only: eq. 2 with h = (0, -1) on every plate, and effects as at rest. NaN if even at the
+    surface the forces do not carry the weight. Found by the Illinois method, which takes a tenth of the
+    evaluations of bisection.
 
     h0: bristles that are bent straight down, or None.
     """
@@ -55,12 +55,12 @@ def _touching_height(sole, poses):
 @inlined
 def _limit_force(world, sole, poses, z, h0):
     """Limit force of downward motion on both feet at the hip height z, N."""
-    acting, total = Laws(world.effects.loads, world.effects.gates, None), 0.0
+    total = 0.0
     for foot in range(2):
         still = ankle_of(poses, foot)
-        ankle = Ankle(still.x, z + still.z, 0.0, -1.0, still.cos, still.sin, 0.0)
+        ankle = Ankle(still.x, z + still.z, 0.0, -DOWN, still.cos, still.sin, 0.0)
         first, last = submerged(sole, ankle)
         if first < last:
             slow, bristles = SLOW if h0 is None else np.inf, bristles_between(h0, foot, first, last)
-            total += part_force(world, acting, sole, first, last, ankle, slow, None, bristles).z
+            total += part_force(world, sole, first, last, ankle, slow, None, bristles).z
     return total

@@ -24,17 +24,19 @@ from footopt.effects.dual import clipped
 
 class DampLaw(NamedTuple):
     rate: float
+    cohesion: float
 
     def push(self, vn, depth):
-        return 1.0 * self.rate * vn * clipped(depth / 1e-6, 0.0, 1.0)
+        return (self.cohesion + self.rate * vn) * clipped(depth / 1e-6, 0.0, 1.0)
 
 @dataclass(frozen=True)
 class Damp(Effect):
     rate: float = 2000.0  # N s/m^3, a pressure per speed into the sand
+    cohesion: float = 3000.0  # Pa
 
     @property
     def law(self):
-        return DampLaw(self.rate)
+        return DampLaw(self.rate, self.cohesion)
 """
 
 
@@ -53,17 +55,19 @@ def own(tmp_path_factory):
 class TestAnEffectOfOnesOwn:
     @pytest.mark.slow  # of compiling
     def test_acts_in_a_walk_as_an_exact_pressure(self, own, flat_foot):
-        """What the plates of a damped walk feel is the law and rate v_n dA, by the trace."""
+        """Plates feel the law and (cohesion + rate v_n) dA, by the trace; at first that is the weight."""
         scene = fo.Scene(effects=(own.Damp(),), t_f=0.2)
         walk = fo.simulate(flat_foot, scene, fo.Accuracy("explicit_euler", 1e-3))
         states = walk.plates(np.arange(len(walk.t)))
         np.testing.assert_allclose(states.total, walk.force, rtol=0, atol=1e-9 * np.abs(walk.force).max())
         plain = replace(walk, scene=fo.Scene(t_f=0.2)).plates(np.arange(len(walk.t)))
         wet = np.clip(-states.position[..., 1] / 1e-6, 0.0, 1.0)
-        pressed = 2000.0 * np.sum(-states.velocity[..., 1] * wet, axis=-1) * 0.026 / states.force.shape[2]
+        pressure = 3000.0 - 2000.0 * states.velocity[..., 1]
+        pressed = np.sum(pressure * wet, axis=-1) * 0.026 / states.force.shape[2]
         added = states.total[..., 1] - plain.total[..., 1]
         np.testing.assert_allclose(added, pressed, rtol=0, atol=1e-9 * np.abs(pressed).max())
-        assert np.abs(pressed).max() > 0.1  # N
+        sole = walk.start[1] + walk.pose([0]).z[0, 0] + flat_foot.contour[0, 1]
+        assert 0.026 * (3000.0 - 5e6 * sole) == pytest.approx(scene.weight, rel=1e-12)
 
     def test_is_never_kept_on_disk(self, own):
         """Compiled code there cannot outlive an effect that was edited, nor reach a process without it."""

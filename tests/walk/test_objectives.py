@@ -163,6 +163,10 @@ class TestTable:
         with pytest.raises(KeyError, match=f"{name}.* distance, thickness.*work"):
             table.column(name)
 
+    def test_so_is_an_objective_that_a_walk_has_not(self, ramp_foot, regular):
+        with pytest.raises(KeyError, match=r"energy.* distance, mean_height.*Walk.measures"):
+            fo.simulate(ramp_foot, regular).objectives["energy"]
+
 
 class TestHermite:
     """Speeds between steps are those of the cubic through both ends and their accelerations."""
