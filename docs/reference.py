@@ -18,7 +18,7 @@ from footopt.design.scenarios import check_measure
 from footopt.effects import EFFECTS
 from footopt.errors import SettingError
 from footopt.studies import ALWAYS, build, covers, robust, studies_that_read
-from footopt.studies.settings import AllEffects, Setting, everything, known, leaves, shown, study_kinds
+from footopt.studies.settings import STUDIES, Setting, everything, known, leaves, no_effects, shown
 from footopt.walk import MEASURES, Walker
 
 HEAD = """# Reference of settings
@@ -52,7 +52,7 @@ MADE: dict[str, Callable[[Any], object]] = {
     "foot": lambda c: (build.make_space(c.foot), build.make_foot(c.foot)),
     "walker": lambda c: Walker(**vars(c.walker)),
     "effects": lambda c: [replace(e) for name, e in vars(c.effects).items() if name in EFFECTS],
-    "scene": lambda c: build.make_scene(replace(c, effects=AllEffects())),
+    "scene": lambda c: build.make_scene(replace(c, effects=no_effects())),
     "accuracy": lambda c: build.make_accuracy(c.accuracy),
     "choose": build.make_choice,
     "constraint": _limits,
@@ -68,7 +68,7 @@ def allowed(setting: Setting) -> str:
         if isinstance(setting.default, (int, float)) and not isinstance(wrong, (int, float)):
             continue
         config = everything()
-        for kind in study_kinds():
+        for kind, _ in STUDIES.values():
             if setting.name in {each.name for each in leaves(kind(), "study.")}:
                 config = replace(config, study=kind())
                 break

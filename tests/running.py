@@ -22,7 +22,8 @@ from hydra.core.global_hydra import GlobalHydra
 from omegaconf import OmegaConf
 
 from footopt.cli import main as cli
-from footopt.cli.compose import CONF
+from footopt.cli.compose import CONF, register, resolved
+from footopt.studies.settings import structured
 
 LIMIT = 300  # s, for a process
 
@@ -42,8 +43,9 @@ TIMES = ("wall_time_s", "search_time_s", "reused")  # what a resumed run may hav
 
 def composed(*overrides):
     """The settings that a command line composes."""
+    register(overrides)
     with initialize_config_dir(str(CONF), version_base="1.3"):
-        return OmegaConf.to_object(compose("config", list(overrides)))
+        return OmegaConf.to_object(structured(resolved(compose("config", list(overrides)), overrides)))
 
 
 def footopt(*arguments, cwd, drawn=False):

@@ -1,32 +1,59 @@
 """Paths and groups that Hydra composes settings of, and the settings of a run as plain data."""
 
 import re
+from argparse import ArgumentParser
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from hydra import compose
 from hydra.core.config_store import ConfigStore
-from omegaconf import OmegaConf, open_dict
+from hydra.core.override_parser.overrides_parser import OverridesParser
+from omegaconf import ListConfig, OmegaConf, open_dict
 
-from footopt.studies import GLOBAL_OPTIONS, GROUP_OPTIONS
+from footopt.studies import choices
+from footopt.studies.build import load_plugins
 from footopt.studies.runs import in_world_of_run
-from footopt.studies.settings import Config
+from footopt.studies.settings import Config, structured
 
 #: conf/ inside the installed package, or at the top of a checkout.
 CONF = next(path / "conf" for path in Path(__file__).parents[1:3] if (path / "conf").is_dir())
 
-STORE = ConfigStore.instance()
-STORE.store(name="footopt_schema", node=Config)
-for _choices, _package in ((GROUP_OPTIONS, None), (GLOBAL_OPTIONS, "_global_")):
-    for _group, _nodes in _choices.items():
-        for _name, _node in _nodes.items():
-            STORE.store(group=_group, name=_name, node=_node, package=_package)
+
+def register(words: Sequence[str] = ()) -> None:
+    """Load the plugins that a command line names, and offer Hydra all settings and choices of then.
+
+    As plain data, which goes to other processes as it is; `structured` knows the kinds of values.
+    """
+    load_plugins(named_plugins(words))
+    store = ConfigStore.instance()
+    store.store(name="footopt_settings", node=asdict(Config()) | {"study": {}})
+    for group, nodes in choices().items():
+        for name, node in nodes.items():
+            store.store(group=group, name=name, node=node, package="_global_" if "defaults" in node else None)
+
+
+def named_plugins(words: Sequence[str]) -> list[str]:
+    """The plugins that a command line names, or else the settings file that it begins with."""
+    flags = ArgumentParser(add_help=False, allow_abbrev=False)
+    flags.add_argument("--config-path", "-cp", default=str(CONF))
+    flags.add_argument("--config-dir", "-cd", default=str(CONF))
+    flags.add_argument("--config-name", "-cn", default="config")
+    found, overrides = flags.parse_known_args(list(words))
+    if given := [one for one in overrides if one.lstrip("+").startswith("plugins=")]:
+        named: Any = OverridesParser.create().parse_override(given[-1]).value()
+    else:
+        places = (Path(__file__).parent / found.config_path, found.config_dir)
+        files = (Path(place, f"{found.config_name.removesuffix('.yaml')}.yaml") for place in places)
+        file = next(filter(Path.is_file, files), None)
+        named = file and OmegaConf.select(OmegaConf.load(file), "plugins")
+    return list(named) if isinstance(named, list | ListConfig) else []  # Hydra says what else is wrong
 
 
 def groups() -> dict[str, list[str]]:
-    """Names of the choices of every group: those of conf/ and those that the library knows."""
-    found = {group: {*choices, *GLOBAL_OPTIONS.get(group, ())} for group, choices in GROUP_OPTIONS.items()}
+    """Names of the choices of every group: those of conf/ and those that the library and plugins know."""
+    found = {group: {*nodes} for group, nodes in choices().items()}
     for path in CONF.glob("*/*.yaml"):
         found.setdefault(path.parent.name, set()).add(path.stem)
     return {group: sorted(found[group]) for group in sorted(found)}
@@ -53,7 +80,9 @@ def resolved(settings: Any, overrides: Sequence[str], config: str = "config") ->
     with open_dict(settings):
         settings.pop("hydra", None)
     plain: Any = OmegaConf.to_container(settings, resolve=True)
-    if plain["study"]["name"] != "simulate" or plain["study"]["run"] is None:
-        return dict(plain)
-    default: Any = OmegaConf.to_container(compose(config, ["study=simulate"]), resolve=True)
-    return in_world_of_run(plain, default, [one.lstrip("+").partition("=")[0] for one in overrides])
+    load_plugins(plain["plugins"])  # in a job's process, too
+    if plain["study"]["name"] == "simulate" and plain["study"]["run"] is not None:
+        default: Any = OmegaConf.to_container(compose(config, ["study=simulate"]), resolve=True)
+        plain = in_world_of_run(plain, default, [one.lstrip("+").partition("=")[0] for one in overrides])
+    found: Any = OmegaConf.to_container(structured(plain))
+    return dict(found)

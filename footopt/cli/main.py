@@ -20,7 +20,7 @@ from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf, open_dict
 from omegaconf.errors import OmegaConfBaseException
 
-from footopt.cli.compose import CONF, groups, hydra_overrides, resolved, task_overrides
+from footopt.cli.compose import CONF, groups, hydra_overrides, register, resolved, task_overrides
 from footopt.cli.messages import explain
 from footopt.cli.run import execute, remove_empty_run, resume
 from footopt.errors import ERROR_FILE, FootoptError
@@ -47,8 +47,10 @@ def main() -> None:
         elif topics and len(topics) < len(given) and {*topics} <= {*groups(), *GROUPS}:
             print(text(topics), flush=True)
         else:
+            words = hydra_overrides(given)
+            register(words)
             # flags first: what parses them takes no settings on both sides of one
-            sys.argv[1:] = sorted(hydra_overrides(given), key=lambda one: one not in ("-m", "--multirun"))
+            sys.argv[1:] = sorted(words, key=lambda one: one not in ("-m", "--multirun"))
             _job()
     except KeyboardInterrupt:
         sys.exit(STOPPED)

@@ -61,15 +61,13 @@ def translate(error: BaseException, overrides: Sequence[str]) -> FootoptError | 
         if f"constraint.{choice}" in names:
             hint = f"For a measure give a list: objective.names=[{choice}]."
         return SettingError(group, choice, f"one of {', '.join(groups().get(group, []))}", hint)
-    effect = next((name for name in given if name.startswith("effects.") and name in names), "")
-    # footopt effects.slope.angle=4, without effects=slope
-    if isinstance(error, (AssertionError, AttributeError)) and effect:
-        name = effect.split(".")[1]
-        hint = f"Try effects={name} {effect}={given[effect]}"
-        return SettingError(effect, given[effect], f"given with the effect {name}", hint)
-    # footopt snad=soft; footopt study=doctor sand=soft
+    # footopt snad=soft; footopt study=doctor sand=soft; footopt effects.slope.angle=4, without effects=slope
     if isinstance(cause, (ConfigAttributeError, ConfigKeyError)) and key:
         key = next((name for name in given if f"{name}.".startswith(f"{key}.")), key)
+        if key.startswith("effects.") and key in names:
+            name = key.split(".")[1]
+            hint = f"Try effects={name} {key}={given[key]}"
+            return SettingError(key, given[key], f"given with the effect {name}", hint)
         return _unknown(key, given.get(key, ""), given.get("study", "optimize"))
     # footopt foot.width=wide
     if kind := next((KINDS[part] for part in KINDS if part in text and key in given), ""):

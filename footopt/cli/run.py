@@ -17,14 +17,14 @@ from hydra.core.override_parser.overrides_parser import OverridesParser
 from omegaconf import OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
-from footopt.cli.compose import CONF, hydra_overrides, resolved
+from footopt.cli.compose import CONF, hydra_overrides, register, resolved
 from footopt.cli.messages import explain, translate
 from footopt.errors import ERROR_FILE, EngineError, FootoptError, check
 from footopt.files import identity
 from footopt.files.identity import Occupied, finished, result_of
 from footopt.files.io import write_text
 from footopt.studies import searches, within
-from footopt.studies.build import absolute
+from footopt.studies.build import absolute, load_plugins
 from footopt.studies.runs import BUDGETS, Run, check_may_change, check_resumable, load, run_study
 from footopt.studies.settings import CODE, WRITTEN, EngineConfig, structured
 
@@ -83,6 +83,7 @@ def run(overrides: Sequence[str] = (), folder: str | Path | None = None) -> Run:
         return load(resumed[-1])
     there: Path | None = None
     try:
+        register(hydra_overrides(given))
         with initialize_config_dir(str(CONF), version_base="1.3"):
             settings = compose("config", hydra_overrides(given), return_hydra_config=True)
             there = Path(folder or settings.hydra.run.dir).expanduser().absolute()
@@ -154,12 +155,14 @@ def _resume_run(folder: Path, changes: Mapping[str, Any], given: Sequence[str]) 
     allowed = f"a run of footopt {version('footopt')}, which this is, not of {run.version}"
     hint = f"Start a new run; or add {FORCE}, if you know that the walks are the same."
     check(run.version == version("footopt") or FORCE in given, "resume", str(folder), allowed, hint)
-    settings, study = structured(run.settings), run.settings["study"]["name"]
+    there, study = OmegaConf.create(dict(run.settings)), run.settings["study"]["name"]
     for name in () if TRUST in given else (*CODE, *WRITTEN):
-        value, own = OmegaConf.select(settings, name), {name, name.partition(".")[0]} & {*changes}
+        value, own = OmegaConf.select(there, name), {name, name.partition(".")[0]} & {*changes}
         inside = name in WRITTEN and (folder / str(value)).resolve().parent == folder.resolve()
         hint = f"Add {TRUST} if you know it, or give your own."
         check(not value or own or inside, name, value, f"trusted: it comes from {folder}", hint)
+    load_plugins(changes.get("plugins", run.settings["plugins"]))
+    settings = structured(run.settings)
     if FORCE in given and searches(study):
         settings.study.reuse = True
     for name, value in changes.items():

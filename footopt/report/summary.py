@@ -227,7 +227,7 @@ def runs_content(
     results = [runs[i].result for i in done]
     first = results[0] if results else {"objectives": {}, "versions": None}
     # what not all have could not be compared
-    shared = [name for name in first["objectives"] if all(name in r["objectives"] for r in results)]
+    shared = [n for n in first["objectives"] if all(n in r["objectives"] and "units" in r for r in results)]
     values = np.array([[runs[i].objectives[name] for name in shared] for i in done], float)
     columns = [column(name, first["units"][name], first["maximise"][name]) for name in shared]
     flat = np.array([of_flat(runs[i]) for i in done], float)

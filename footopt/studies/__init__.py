@@ -1,10 +1,10 @@
 """The studies, a question each: their own settings, which others each reads, and all groups' choices."""
 
 import textwrap
-from collections.abc import Callable, Collection
-from dataclasses import dataclass, field, fields, is_dataclass
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import asdict, dataclass, field, fields, is_dataclass
 from importlib import import_module
-from typing import Any, get_type_hints
+from typing import Any, ClassVar, get_type_hints
 
 from footopt.design import EXHAUSTIVE, FRONT_RULES, SINGLE, SOLVERS, RobustProblem, Spread
 from footopt.design.problem import SETS
@@ -16,13 +16,13 @@ from footopt.sand import MEDIA
 from footopt.studies.settings import (
     STUDIES,
     Config,
-    OwnSettings,
     SpreadConfig,
     StudySettings,
     default,
     known,
     leaves,
     setting,
+    settings_class,
     shown,
 )
 from footopt.walk import PRESETS
@@ -158,7 +158,7 @@ class Transfer(SearchSettings):
     sands: list[Any] = setting(["soft", "regular", "hard"], "The sands, by name or zeta.")
     walks: int = setting(10_000, "Designs that a search on the walker evaluates; solver.walks: on the robot.")
     soles: int = setting(200, "Random soles that both simulators rank.")
-    brings = (("simulator", "biped"),)
+    brings: ClassVar = {"simulator": "biped"}
     reads = (*WORLD, *ROBOT, *SPACE, "foot.shape", "foot.k", "accuracy", "objective", "solver", "engine")
 
 
@@ -210,9 +210,6 @@ def searches(study: str) -> bool:
     return study in STUDIES and issubclass(STUDIES[study][0], SearchSettings)
 
 
-#: Solvers of several objectives.
-SEVERAL = [name for name in SOLVERS if name not in (*SINGLE, EXHAUSTIVE)]
-
 #: The setting that the choice of a group sets, where it is not its name.
 SETTING_OF_GROUP = {
     "foot": "foot.shape",
@@ -221,50 +218,45 @@ SETTING_OF_GROUP = {
     "effects": "effects",
 }
 
-#: Choices of groups that the library knows by name: what each sets. Those in conf/ join them.
-GROUP_OPTIONS: dict[str, dict[str, Any]] = {
-    "sand": {name: {"name": name, "zeta": zeta} for name, zeta in MEDIA.items()},
-    "foot": {name: {"shape": name} for name in SHAPES},
-    "effects": {name: {name: {}} for name in EFFECTS},
-    "accuracy": {name: {"name": name} for name in (*PRESETS, "custom")} | {"coarse": {"tolerance": 0.05}},
-    "objective": {name: {"names": list(names)} for name, names in SETS.items()},
-    "choose": {name: {"name": name} for name in FRONT_RULES},
-    "solver": {name: {"name": name} for name in (AUTO, *SOLVERS) if name not in SEVERAL},
-    "simulator": {"walker": {"name": "walker"}},
-    "study": {"own": OwnSettings},
-}
 
-#: Of robots, whose walks cost hundreds of times those of the walker.
-OF_ROBOTS = {"defaults": [{"override /accuracy": "coarse"}], "solver": {"walks": 1000}}
-
-#: Choices that change another group, too: a solver for several objectives searches the paper's five.
-GLOBAL_OPTIONS: dict[str, dict[str, dict[str, Any]]] = {
-    "study": {},
-    "simulator": {name: {"simulator": {"name": name}, **OF_ROBOTS} for name in ("biped", "robot")},
-    "solver": {
-        name: {"defaults": [{"override /objective": "pareto"}], "solver": {"name": name}} for name in SEVERAL
-    },
-}
+def _of_module(name: str) -> Callable[[Any], Any]:
+    """A study that its module asks, which is imported when it is run."""
+    return lambda study: import_module(f"footopt.studies.{name}").run(study)
 
 
-def _add(kind: type[StudySettings]) -> str:
-    """Add one of footopt's own studies: the module of its name is imported when it is run."""
-    name = kind.name
-    STUDIES[name] = kind, lambda study: import_module(f"footopt.studies.{name}").run(study)
-    if kind.brings:
-        brought = [{f"override /{group}": choice} for group, choice in kind.brings]
-        GLOBAL_OPTIONS["study"][name] = {"defaults": brought, "study": kind()}
-    else:
-        GROUP_OPTIONS["study"][name] = kind
-    return name
+for _kind in (Optimize, Simulate, Ladder, Stability, Audit, Paper, Robust, Transfer, Export, Compare, Doctor,
+              Validate, Calibrate):  # fmt: skip
+    STUDIES[_kind.name] = _kind, _of_module(_kind.name)
+
+BUILT_IN = tuple(STUDIES)  # names of footopt's own studies; plugins add theirs
 
 
-#: Names of footopt's own studies; a plugin adds its own to `STUDIES`.
-BUILT_IN = tuple(map(_add, (Optimize, Simulate, Ladder, Stability, Audit, Paper, Robust, Transfer, Export,
-                            Compare, Doctor, Validate, Calibrate)))  # fmt: skip
+def choices() -> dict[str, dict[str, Any]]:
+    """Choices of groups that the library and plugins know, and what each sets; those in conf/ join them."""
+    several = {name: {"objective": "pareto"} for name in SOLVERS if name not in (*SINGLE, EXHAUSTIVE)}
+    robot, price = {"accuracy": "coarse"}, {"solver": {"walks": 1000}}  # hundreds of times the walker's
+    return {
+        "sand": {name: {"name": name, "zeta": zeta} for name, zeta in MEDIA.items()},
+        "foot": {name: {"shape": name} for name in SHAPES},
+        "effects": {name: {name: asdict(settings_class(kind)())} for name, kind in EFFECTS.items()},
+        "accuracy": {name: {"name": name} for name in (*PRESETS, "custom")} | {"coarse": {"tolerance": 0.05}},
+        "objective": {name: {"names": list(names)} for name, names in SETS.items()},
+        "choose": {name: {"name": name} for name in FRONT_RULES},
+        "solver": {n: bringing("solver", {"name": n}, several.get(n, {})) for n in (AUTO, *SOLVERS)},
+        "simulator": {n: bringing("simulator", {"name": n}, robot) | price for n in ("biped", "robot")}
+        | {"walker": {"name": "walker"}},
+        "study": {n: bringing("study", asdict(kind(n)), kind.brings) for n, (kind, _) in STUDIES.items()},
+    }
+
+
+def bringing(group: str, choice: Any, others: Mapping[str, str]) -> Any:
+    """A choice of a group with which come choices of others, unless these are made otherwise."""
+    defaults = [{f"override /{name}": one} for name, one in others.items()]
+    return {"defaults": defaults, group: choice} if others else choice
+
 
 #: Read for every study: how it is run, not what is asked. A constraint is refused elsewhere.
-ALWAYS = ("study.name", "study.own", "plugins", "report", "engine.name", "engine.threads", "constraint")
+ALWAYS = ("study.name", "plugins", "report", "engine.name", "engine.threads", "constraint")
 
 
 def _of_run(config: Config) -> bool:

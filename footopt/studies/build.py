@@ -41,7 +41,6 @@ from footopt.studies.settings import (
     EffectsConfig,
     FootConfig,
     GaitConfig,
-    OwnSettings,
     SandConfig,
     leaves,
 )
@@ -72,6 +71,10 @@ def load_plugins(plugins: Sequence[str]) -> None:
     A file's folder joins the module path, which worker processes are given, too. A `SettingError` says that
     one is not there, fails, or has the name of another module.
     """
+    good = isinstance(plugins, Sequence) and not isinstance(plugins, str)
+    check(
+        good and all(isinstance(p, str) for p in plugins), "plugins", plugins, "a list of files and modules"
+    )
     for plugin in plugins:
         path = Path(plugin).absolute()
         is_file = path.suffix == ".py"
@@ -171,18 +174,8 @@ def _ankle(config: FootConfig) -> tuple[float, float]:
 
 def make_effects(config: EffectsConfig) -> tuple[Effect, ...]:
     """The effects that the settings name; what `auto` adds is up to the effect audit."""
-    chosen = {name: vars(made) for name in EFFECTS if (made := getattr(config, name, None)) is not None}
-    own = config.own or {}
-    plugged = [name for name in EFFECTS if not hasattr(config, name)]
-    allowed = f"an effect of a plugin ({', '.join(plugged) or 'none is loaded'})"
-    hint = "Give its file: plugins=[my_effect.py]; it has to add its class to effects.EFFECTS."
-    for name in own:
-        check(name in plugged, "effects.own", name, allowed, hint)
-    try:
-        return tuple(EFFECTS[name](**(values or {})) for name, values in (chosen | own).items())
-    except TypeError as error:
-        has = f"made of parameters that the effect has ({error})"
-        raise SettingError("effects.own", own, has) from None
+    found = {name: getattr(config, name) for name in EFFECTS}
+    return tuple(EFFECTS[name](**vars(given)) for name, given in found.items() if given is not None)
 
 
 def make_scene(config: Config) -> Scene:
@@ -219,9 +212,7 @@ def make_simulator(config: Config) -> Scene | Simulator:
 
 def make_limits(config: Config) -> dict[str, float]:
     """The limits of the settings, by the measures' names."""
-    own = config.constraint.own or {}
-    given = {name: limit for name, limit in vars(config.constraint).items() if name != "own"} | own
-    return {name: limit for name, limit in given.items() if limit is not None}
+    return {name: limit for name, limit in vars(config.constraint).items() if limit is not None}
 
 
 def make_choice(config: Config) -> Choice:
@@ -312,12 +303,12 @@ def check_values(config: Config) -> None:
 
 
 def checked(config: Config, overrides: Iterable[str]) -> Config:
-    """The settings, a plugin's study as the plugin has it; `SettingError` if they do not go together."""
+    """The settings; `SettingError` if they do not go together."""
     check_values(config)
-    load_plugins(config.plugins)
-    config = _chosen(config)
-    check_read(config, overrides)
     name = config.study.name
+    check(name in STUDIES, "study.name", name, f"one of {', '.join(STUDIES)}")
+    check(isinstance(config.study, STUDIES[name][0]), "study.name", name, f"chosen as a group: study={name}")
+    check_read(config, overrides)
     if config.engine.name != "local" and not isinstance(config.study, SearchSettings):
         raise SettingError("engine", config.engine.name, f"local for study={name}")
     reads, simulator = read_by(name), config.simulator.name
@@ -325,21 +316,4 @@ def checked(config: Config, overrides: Iterable[str]) -> Config:
         raise SettingError("simulator", simulator, f"walker for study={name}")
     if name != "optimize" and (limits := make_limits(config)):
         raise SettingError("constraint", limits, f"left out for study={name}", "study=optimize keeps limits.")
-    return config
-
-
-def _chosen(config: Config) -> Config:
-    """The settings with a plugin's study as the plugin has it."""
-    name = config.study.name
-    if name not in STUDIES:
-        hint = "A study of your own: plugins=[mine.py] study=own study.name=mine"
-        raise SettingError("study.name", name, f"one of {', '.join(STUDIES)}", hint)
-    kind, _ = STUDIES[name]
-    if isinstance(config.study, OwnSettings):
-        try:
-            return replace(config, study=kind(name, **(config.study.own or {})))
-        except TypeError as error:
-            raise SettingError("study.own", config.study.own, f"settings that it has ({error})") from None
-    if not isinstance(config.study, kind):
-        raise SettingError("study.name", name, f"chosen as a group: study={name}")
     return config

@@ -239,6 +239,10 @@ class Run:
     @cached_property
     def config(self) -> Config:
         """The settings as what studies take; a `FileError` if this version does not have one of them."""
+        if self.settings.get("plugins") and not self.trusted:
+            hint = "Read what they do, then load the run with trust=True."
+            raise FileError(f"{self.folder}: its settings name plugins, which are code. {hint}")
+        build.load_plugins(self.settings.get("plugins", ()))
         try:
             return cast(Config, OmegaConf.to_object(structured(self.settings)))
         except OmegaConfBaseException as error:
@@ -264,10 +268,6 @@ class Run:
     @cached_property
     def scene(self) -> Any:
         """The `Scene` or robot that walked, with the effects that `effects=auto` decided for."""
-        if self.config.plugins and not self.trusted:
-            hint = "Read what they do, then load the run with trust=True."
-            raise FileError(f"{self.folder}: its settings name plugins, which are code. {hint}")
-        build.load_plugins(self.config.plugins)
         given = self.config.effects
         scene: Any = build.make_simulator(replace(self.config, effects=replace(given, auto=False)))
         if not given.auto:
@@ -331,8 +331,8 @@ def load(folder: str | Path, trust: bool = False) -> Run:
     folder : str or Path
         Its folder.
     trust : bool
-        Whether `Run.scene` may run the plugins that its settings name, which are code, and `Run.search`
-        write to a store that is elsewhere.
+        Whether the plugins that its settings name, which are code, may be run, and `Run.search` may write to
+        a store that is elsewhere.
 
     Raises
     ------

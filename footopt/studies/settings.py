@@ -7,7 +7,8 @@ A default of the library is taken from there. The YAML files of conf/ only name 
 import inspect
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping
-from dataclasses import MISSING, dataclass, field, fields, is_dataclass, make_dataclass
+from dataclasses import MISSING, dataclass, field, fields, is_dataclass, make_dataclass, replace
+from functools import cache
 from typing import Any, ClassVar, NamedTuple, get_type_hints
 
 from omegaconf import OmegaConf
@@ -33,9 +34,9 @@ def default(function: Callable[..., Any], name: str) -> Any:
 
 
 def setting(value: Any, meaning: str | type) -> Any:
-    """A field: its default (a class stands for an object of it) and its meaning (a class: its docstring)."""
+    """A field: its default (a class or function makes it) and its meaning (a class: its docstring)."""
     told = {"meaning": meaning}
-    if isinstance(value, type):
+    if callable(value):
         return field(default_factory=value, metadata=told)
     if isinstance(value, tuple | list):  # a list can be changed, as OmegaConf has it
         return field(default_factory=lambda: list(value), metadata=told)
@@ -86,13 +87,7 @@ def settings_class(kind: type, null: Collection[str] = (), given: Mapping[str, A
         value = f.default if f.default_factory is MISSING else f.default_factory()
         one = (given or {}).get(f.name) or setting(value, kind)
         made.append((f.name, hints[f.name] | None if f.name in null else hints[f.name], one))
-    return importable(make_dataclass(f"{kind.__name__}Settings", made))
-
-
-def importable(made: type) -> Any:
-    """A class that was made here, found by its name in this module, as a launcher sends it to processes."""
-    made.__module__, globals()[made.__name__] = __name__, made
-    return made
+    return make_dataclass(f"{kind.__name__}Settings", made)
 
 
 SpaceConfig: Any = settings_class(Waypoints)
@@ -108,24 +103,16 @@ AccuracyConfig: Any = settings_class(Accuracy, BY_HAND, BY_HAND)
 class StudySettings:
     """Settings of a study, a class of its own in its module, with the other settings that it reads."""
 
-    name: str = setting("optimize", "The question; with study=own, of a plugin.")
+    name: str = setting("optimize", "The question.")
     #: Groups and single settings that the study reads besides its own.
     reads: ClassVar[tuple[str, ...]] = ()
     #: Choices of other groups that come with it, unless others are made.
-    brings: ClassVar[tuple[tuple[str, str], ...]] = ()
+    brings: ClassVar[Mapping[str, str]] = {}
 
 
 #: Studies by name: the settings of each, and the function that is called with a `Study`. Each module adds
 #: its own, and so does a plugin.
 STUDIES: dict[str, tuple[type[StudySettings], Callable[[Any], Any]]] = {}
-
-
-@dataclass
-class OwnSettings(StudySettings):
-    """Settings of a study that a plugin brings."""
-
-    name: str = ""
-    own: Any = setting(None, "Settings of a plugin's study, by name.")
 
 
 @dataclass
@@ -140,7 +127,7 @@ class SandConfig:
 
 
 COLUMNS = ("time", "thigh", "hip", "knee", "foot", "ankle", "pelvis")  # of a file of a gait
-NamesConfig = importable(make_dataclass("NamesConfig", [(name, str | None, None) for name in COLUMNS]))
+NamesConfig = make_dataclass("NamesConfig", [(name, str | None, None) for name in COLUMNS])
 
 
 @dataclass
@@ -182,14 +169,19 @@ class FootConfig(SpaceConfig):  # type: ignore[misc]  # made of Waypoints' field
 class EffectsConfig:
     """Effects beyond the plain law, whichever there are."""
 
-    own: Any = setting(None, "Effects of a plugin, by name, with their parameters.")
     auto: bool = setting(False, "Whether to simulate the effects that matter.")
     tolerance: float | None = setting(None, "Relative change that matters to auto; null: the accuracy's.")
 
 
-#: With a setting for each effect: its parameters, or null where it is not simulated.
-EACH = [(name, settings_class(kind) | None, setting(None, kind)) for name, kind in EFFECTS.items()]
-AllEffects = importable(make_dataclass("AllEffects", EACH, bases=(EffectsConfig,)))
+def no_effects() -> Any:
+    """With a setting for each effect, of plugins too: its parameters, or null where it is not simulated."""
+    return _effects_class(tuple(EFFECTS.items()))()
+
+
+@cache  # so that the settings of two runs compare
+def _effects_class(known: tuple[tuple[str, type], ...]) -> Any:
+    each = [(name, settings_class(kind) | None, setting(None, kind)) for name, kind in known]
+    return make_dataclass("AllEffects", each, bases=(EffectsConfig,))
 
 
 @dataclass
@@ -239,16 +231,14 @@ class ChooseConfig:
     limits: Any = setting(None, Choice)
 
 
-@dataclass
-class OwnConstraints:
-    """Limits that a design must keep: see `footopt.design.FootProblem`."""
-
-    own: Any = setting(None, "Limits of a plugin's measures, by name.")
+def no_limits() -> Any:
+    """With a setting for each measure, of plugins too: its limit, or null for none."""
+    return _limits_class(tuple(MEASURES))()
 
 
-#: With a setting for each measure: its limit, or null for none.
-LIMITS = [(name, float | None, None) for name in MEASURES]
-ConstraintConfig = importable(make_dataclass("ConstraintConfig", LIMITS, bases=(OwnConstraints,)))
+@cache
+def _limits_class(names: tuple[str, ...]) -> Any:
+    return make_dataclass("ConstraintConfig", [(name, float | None, None) for name in names])
 
 
 @dataclass
@@ -279,15 +269,15 @@ class Config:
     gait: GaitConfig = field(default_factory=GaitConfig)
     foot: FootConfig = field(default_factory=FootConfig)
     walker: Any = field(default_factory=settings_class(Walker))
-    effects: EffectsConfig = field(default_factory=AllEffects)
+    effects: EffectsConfig = field(default_factory=no_effects)
     scene: SceneConfig = field(default_factory=SceneConfig)
     simulator: SimulatorConfig = field(default_factory=SimulatorConfig)
     robot: RobotConfig = field(default_factory=RobotConfig)
     accuracy: Any = field(default_factory=AccuracyConfig)
     objective: ObjectiveConfig = field(default_factory=ObjectiveConfig)
     choose: ChooseConfig = field(default_factory=ChooseConfig)
-    constraint: OwnConstraints = setting(
-        ConstraintConfig,
+    constraint: Any = setting(
+        no_limits,
         "Limit: the largest of what is minimised, the smallest of what is maximised; null: none.",
     )
     solver: Any = field(default_factory=SolverConfig)
@@ -302,7 +292,7 @@ PATHS = ("foot.path", "gait.path", "robot.controller", "robot.model", "sand.tabl
 CODE, WRITTEN = ("plugins", "engine.address", "robot.controller"), ("study.store", "study.video")
 
 #: Settings that are values by names of the user's own, or null.
-BY_NAME = ("study.own", "effects.own", "constraint.own", "choose.weights", "choose.limits", "robot.joints")
+BY_NAME = ("choose.weights", "choose.limits", "robot.joints")
 
 #: Settings that may change when a run goes on: how long, where and with what it ends, not what is searched.
 CHANGEABLE = (
@@ -314,24 +304,19 @@ CHANGEABLE = (
 
 def structured(settings: Mapping[str, Any]) -> Any:
     """Settings with their types, as OmegaConf has them: other names and kinds are refused."""
-    kind, _ = STUDIES.get(settings["study"]["name"], (OwnSettings, None))
+    kind, _ = STUDIES.get(settings["study"]["name"], (StudySettings, None))
     return OmegaConf.merge(OmegaConf.structured(Config(study=kind())), settings)
 
 
 def everything() -> Config:
     """The default settings, with those of all effects."""
-    effects = {each.name: EFFECTS[each.name]() for each in fields(AllEffects) if each.name in EFFECTS}
-    return Config(effects=AllEffects(**effects))
-
-
-def study_kinds() -> list[type[StudySettings]]:
-    """The settings of all studies, a class each."""
-    return [StudySettings, OwnSettings, *(kind for kind, _ in STUDIES.values())]
+    return Config(effects=replace(no_effects(), **{n: each() for n, each in EFFECTS.items()}))
 
 
 def known() -> dict[str, Setting]:
     """All settings by their full names, with their defaults: those of every effect and every study."""
-    study = [each for kind in study_kinds() for each in leaves(kind(), "study.")]
+    study = [*leaves(StudySettings(), "study.")]
+    study += [each for kind, _ in STUDIES.values() for each in leaves(kind(), "study.")]
     found: dict[str, Setting] = {}
     for setting in leaves(everything()):
         for each in study if setting.name == "study.name" else [setting]:

@@ -59,7 +59,7 @@ COMMANDS = {
     "gait=file gait.path=broken.csv": "gait.path = 'broken.csv'",
     "study=export": "run = None",
     "foot=outline foot.path=sole.dxf": "foot = 'outline'",
-    "constraint.own={colour:9}": "constraint = 'colour'",
+    "constraint.colour=9": "constraint.colour",
     "choose=limits objective=pareto": "choose.limits",
     # robots that cannot be
     "simulator=robot": "robot.model = None",

@@ -16,7 +16,7 @@ ROBOT = Path(__file__).parents[2] / "examples" / "moon_robot"
 def test_the_example_finds_its_files_and_a_foot_that_shakes_little(tmp_path):
     """In a copy, which is not that of the checkout: footopt's settings are found as pkg://footopt.conf."""
     robot = shutil.copytree(ROBOT, tmp_path / "robot")
-    small = ["constraint.own={shaking: 0.22}", "solver.pop_size=12", "solver.n_gen=8", "accuracy=draft"]
+    small = ["constraint.shaking=0.22", "solver.pop_size=12", "solver.n_gen=8", "accuracy=draft"]
     small += ["study.confirm=null", "report=none", "hydra.run.dir=run"]
     done = footopt("-cp", str(robot / "conf"), "-cn", "robot", *small, cwd=robot)
     assert done.returncode == 0, done.stderr

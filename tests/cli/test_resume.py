@@ -95,9 +95,11 @@ class TestIdentity:
         done = footopt(*SMALL, "hydra.run.dir=run", cwd=tmp_path)
         assert "30 designs of this search are known" in done.stdout
 
+    @pytest.mark.usefixtures("clean")
     def test_no_word_of_a_folder_is_run(self, begun, tmp_path, monkeypatch):
-        (tmp_path / "evil.py").write_text("open('made', 'w')\n")
+        (tmp_path / "evil.py").write_text("open('made', 'w').close()\n")
         (tmp_path / "evil.yaml").write_text("x: 1\n")
+        (tmp_path / "mine.py").touch()
         settings, words, _ = identity.read(begun)
         wrong = ["--experimental-rerun=evil.pickle", "hydra.run.dir=elsewhere", "plugins=[evil.py]"]
         identity.write(begun, settings, [*words, *wrong])
@@ -108,13 +110,15 @@ class TestIdentity:
         assert footopt("resume=begun", cwd=tmp_path).returncode == 0
         assert (ran[0][0].plugins, ran[0][1]) == ([], begun)
         for change, says in (
-            ({"plugins": ["evil.py"]}, "plugins = ['evil.py']"),
             ({"study": settings["study"] | {"store": "/tmp/x.db"}}, "study.store = '/tmp/x.db'"),
+            ({"plugins": ["evil.py"]}, "plugins = ['evil.py']"),
         ):
             identity.write(begun, settings | change, words)
             refused("resume=begun", cwd=tmp_path, says=says)
+            assert not (tmp_path / "made").exists()
             assert footopt("resume=begun", "--trust", cwd=tmp_path).returncode == 0
         assert len(ran) == 3
+        (tmp_path / "made").unlink()
         identity.write(begun, settings | {"plugins": ["evil.py"]}, words)
         assert footopt("resume=begun", "plugins=[mine.py]", cwd=tmp_path).returncode == 0
         assert ran[-1][0].plugins == ["mine.py"]
@@ -199,13 +203,15 @@ def test_killed_and_interrupted_anywhere_it_goes_on_to_the_same_bits(seed, tmp_p
     assert not (folder / LOCK).exists()
 
 
+@pytest.mark.usefixtures("clean")
 def test_files_of_a_run_are_found_from_another_folder(tmp_path, monkeypatch):
     there, here = tmp_path / "it's there", tmp_path / "here"
     for place in (there, here):
         place.mkdir()
+    (there / "mine.py").touch()
     ran = []
     monkeypatch.setattr("footopt.cli.run.run_study", lambda *of: ran.append(of))
-    words = ["gait=file", 'gait.path="Größe.mot"', "plugins=[mine.py,a.module]", "hydra.run.dir=run"]
+    words = ["gait=file", 'gait.path="Größe.mot"', "plugins=[mine.py,json.tool]", "hydra.run.dir=run"]
     assert footopt(*words, cwd=there).returncode == 0
     config, folder, settings, *_ = ran[0]
     assert config.gait.path == "Größe.mot"  # as messages say it
@@ -213,5 +219,5 @@ def test_files_of_a_run_are_found_from_another_folder(tmp_path, monkeypatch):
     assert footopt(f"resume={folder}", "--trust", cwd=here).returncode == 0
     config = ran[1][0]
     assert config.gait.path == str(there / "Größe.mot")
-    assert config.plugins == [str(there / "mine.py"), "a.module"]
+    assert config.plugins == [str(there / "mine.py"), "json.tool"]
     assert config.sand.table is None

@@ -2,12 +2,15 @@
 
 import csv
 import math
+import pickle
 from functools import cache
 from itertools import zip_longest
+from pathlib import Path
 
-import cloudpickle
 import numpy as np
 import pytest
+from hydra import compose, initialize_config_dir
+from hydra.core.config_store import ConfigStore
 from hydra.errors import HydraException
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -17,7 +20,7 @@ from running import composed, tries
 
 import footopt as fo
 from footopt import studies
-from footopt.cli.compose import CONF, groups, hydra_overrides
+from footopt.cli.compose import CONF, groups, hydra_overrides, register
 from footopt.cli.messages import explain
 from footopt.design import Solver, make_executor
 from footopt.effects import EFFECTS
@@ -39,14 +42,13 @@ ROWS = [
 ]
 
 
-def test_settings_that_come_back_from_another_process_leave_those_here_as_they_are():
-    """As after a job of the joblib launcher, of which a session may run several."""
-    here = OmegaConf.structured(Config)
-    back = cloudpickle.loads(cloudpickle.dumps(here))
-    assert back == here
-    assert OmegaConf.structured(Config) == here
-    again = OmegaConf.merge(OmegaConf.structured(Config), {"effects": {"layers": {"factors": [0.5]}}})
-    assert again.effects.layers.depths == [0.03]
+@pytest.mark.usefixtures("clean")
+def test_launchers_send_plain_data_to_processes_that_have_no_plugins_yet():
+    register([f"plugins=[{Path(__file__).parents[2] / 'examples' / 'custom' / 'effect.py'}]"])
+    with initialize_config_dir(str(CONF), version_base="1.3"):
+        found = compose("config", ["effects=floor", "study=robust", "foot.L=1"])
+    assert found.effects.floor == {"depth": 0.1, "length": 0.01}
+    assert b"footopt.studies" not in pickle.dumps((found, ConfigStore.instance().repo))
 
 
 def test_infinity_is_what_the_pages_and_the_messages_say():
@@ -63,7 +65,7 @@ class TestDefaults:
         assert build.make_accuracy(config.accuracy) == PRESETS["standard"]
         assert make_spread(composed("study=robust")) == fo.Spread()
         assert Solver(**vars(config.solver)) == Solver()
-        assert set(groups()["study"]) == {*studies.STUDIES, "own"}
+        assert set(groups()["study"]) == {*studies.STUDIES}
         assert {*EFFECTS} < {*groups()["effects"]}
         assert {*PRESETS} < {*groups()["accuracy"]}
         assert {*MEDIA} < {*groups()["sand"]}

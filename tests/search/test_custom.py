@@ -6,16 +6,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from running import footopt
+from hydra.errors import HydraException
+from running import composed, footopt
 
 import footopt as fo
 from footopt.design import make_executor
 from footopt.design.solvers import Solver
 from footopt.design.store import context
+from footopt.effects import name_of
 from footopt.effects.dual import Dual
 from footopt.errors import SettingError
 from footopt.studies.build import load_plugins, make_effects
-from footopt.studies.settings import AllEffects
 
 CUSTOM = Path(__file__).parents[2] / "examples" / "custom"
 
@@ -38,11 +39,11 @@ def test_an_example_runs_and_says_what_it_found(name, capsys):
 @pytest.mark.usefixtures("clean")
 class TestPlugins:
     def test_an_effect_becomes_a_setting(self):
-        load_plugins([str(CUSTOM / "effect.py")])
-        (floor,) = make_effects(AllEffects(own={"floor": {"depth": 0.05}}))
-        assert (floor.depth, floor.length) == (0.05, 0.01)
-        (floor,) = make_effects(AllEffects(own={"floor": None}))
-        assert floor.depth == 0.1
+        words = (f"plugins=[{CUSTOM / 'effect.py'}]", "effects=[floor,slope]", "effects.floor.depth=0.05")
+        floor, slope = sorted(make_effects(composed(*words).effects), key=name_of)
+        assert (floor.depth, floor.length, slope) == (0.05, 0.01, fo.Slope())
+        with pytest.raises(HydraException, match=r"effects\.floor\.deep"):
+            composed(*words, "effects.floor.deep=0.05")
 
     def test_the_floor_s_derivatives_are_those_of_its_load(self):
         """Against differences: the implicit stepper rests on them."""
@@ -57,7 +58,10 @@ class TestPlugins:
             assert (found.dx, found.dz) == (pytest.approx(slope, rel=1e-6), 0.0)
 
     def test_a_solver_joins_those_of_one_objective(self):
-        load_plugins([str(CUSTOM / "solver.py")])
+        assert (
+            composed(f"plugins=[{CUSTOM / 'solver.py'}]", "solver=hill_climbing").solver.name
+            == "hill_climbing"
+        )
         problem = fo.FootProblem(space=fo.Waypoints(n=5), accuracy="draft")
         assert len(fo.search(problem, "hill_climbing", walks=100, seed=2).k) <= 100  # at its default size
         results = [fo.search(problem, "hill_climbing", pop_size=20, n_gen=6, seed=2) for _ in range(2)]

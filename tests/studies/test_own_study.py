@@ -3,11 +3,11 @@
 import json
 
 import pytest
+from hydra.errors import ConfigCompositionException
 from running import composed, unrender
 from study_pages import check_page
 
 from footopt import studies
-from footopt.errors import SettingError
 from footopt.report import figures
 from footopt.studies.runs import Study, run_study
 
@@ -42,10 +42,9 @@ def test_it_is_found_by_its_name(tmp_path, capsys, monkeypatch):
     (tmp_path / "hollow_study.py").write_text(PLUGIN)
     monkeypatch.syspath_prepend(tmp_path)
     words = ("foot.k=[5,8,9,8,5,4,4,2,2,3,4]", f"plugins=[{tmp_path / 'hollow_study.py'}]")
-    with pytest.raises(SettingError, match=r"study\.name = 'hollow': must be one of optimize"):
-        run_study(composed("study=own", "study.name=hollow"), tmp_path, {})
-    own = composed("study=own", "study.name=hollow", "study.own={times: 2e3}", *words)
-    run_study(own, tmp_path, {"any": 1})
+    run_study(composed("study=hollow", "study.times=2e3", *words), tmp_path, {"any": 1})
+    with pytest.raises(ConfigCompositionException, match=r"study\.time"):
+        composed("study=hollow", "study.time=2e3", *words)
     check_page(tmp_path)
     result = json.loads((tmp_path / "result.json").read_text())
     assert list(result) == ["study", "hollow", "settings", *MADE]
