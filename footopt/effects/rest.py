@@ -12,12 +12,12 @@ from footopt.errors import check
 class Rest(Effect):
     """Friction with memory: a walker that stands stays, and its first instant carries its weight.
 
-    The direction h of a plate in the sand follows its motion over a length delta and stays in the unit
-    disc (`footopt.walk.bristles`), so that at rest the force is what balance needs. Without it
+    The direction h of a plate in the sand follows its motion over a length delta, damped, and stays in the
+    unit disc (`footopt.walk.bristles`), so that at rest the force is what balance needs. Without it
     h = v / sqrt(|v|^2 + eps^2), and a walker that stands sinks on at about the creep speed eps.
 
-    Source: an elastic displacement in friction, Dahl, "A solid friction model", The Aerospace
-    Corporation (1968), and Dupont, Hayward, Armstrong & Altpeter, IEEE Trans. Automatic Control 47 (2002),
+    Source: an elastic displacement in friction, Dahl, "A solid friction model", The Aerospace Corporation
+    (1968), damped as by Dupont, Hayward, Armstrong & Altpeter, IEEE Trans. Automatic Control 47 (2002), and
     applied to every plate of RFT. Range: delta is a numerical length as it stands. Forces in sand build up
     over about a millimetre; a delta like that makes the sand springy, which no experiment here supports.
 

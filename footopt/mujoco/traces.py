@@ -42,6 +42,11 @@ class RobotWalk(Walk):
         return camera(self.scene, self.states)
 
     @property
+    def turning_speed(self) -> float:
+        """Infinite: its bristles are the directions themselves."""
+        return math.inf
+
+    @property
     def world(self) -> Scene:
         """The sand of the walk, its effects, and gravity."""
         found: Scene = self.scene.planar

@@ -1,11 +1,17 @@
 """Bristles: the elastic displacement that the sand under each plate remembers.
 
-A plate's direction h is bent by its motion over the length delta and stays in the unit disc. Over a time
-c, from h_0 at its beginning (a return map, as in plasticity)::
+A plate's direction of motion h is the force of a bristle: a spring and a damper side by side (Kelvin-Voigt),
+which its motion bends over the length delta, and which slides where |h| = 1. e is what the spring carries::
 
-    u = h_0 + c v / delta,   h = u / max(1, |u|)
+    e' = (v - slip) / delta,   h = e + tau e',   |h| <= 1,   slip along h, and 0 where |h| < 1
 
-Sliding turns h into v / |v|, as the plain law has it; at rest h is what balance needs, and nothing moves.
+Over a time c, from e_0 at its beginning, that is a return map, as in plasticity::
+
+    u = e_0 + (c + tau) v / delta,   h = u / max(1, |u|),   e = e_0 + (h - e_0) c / (c + tau)
+
+Sliding turns e and h into v / |v|, as the plain law has it; at rest both are what balance needs, and nothing
+moves. Without the damper a walker vibrates on its bristles at sqrt(g / delta), 500 Hz, by 3 mm/s, which long
+steps damp and short ones do not: tau = 2 sqrt(delta / g) is about critical, and vanishes with delta.
 """
 
 from typing import NamedTuple
@@ -14,14 +20,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from footopt.compiled import inlined, inlined_fast, unless_none
-from footopt.walk.contact import bristles_between, direction, kinematics, submerged
+from footopt.walk.contact import bristles_between, direction, kinematics, rsqrt, submerged
 from footopt.walk.state import ankle_of, in_world, plates_between
 
 Array = NDArray[np.float64]
 
 
 class Bristles(NamedTuple):
-    """h of every plate, (2 feet, 2 components, padded plates) each; 0 in the air."""
+    """e of every plate, (2 feet, 2 components, padded plates) each; 0 in the air."""
 
     h_n: Array  # at the step's beginning
     h_stage: Array  # where its second stage begins
@@ -36,6 +42,14 @@ class StageBristles(NamedTuple):
     share: float  # of the way from before to its end that after is to be; 1 is the end
 
 
+@inlined
+def turning_speed_of(length, world, c):
+    """The speed over which a plate's direction turns, m/s; with bristles, after a time c, s."""
+    if length is None:
+        return world.creep
+    return length / (c + world.retardation)
+
+
 @unless_none
 def bristles_at_start(length, plates):
     """Under a walker that has sunk straight down to where it stands."""
@@ -47,7 +61,7 @@ def bristles_at_start(length, plates):
 
 @unless_none
 def beginning(bristles):
-    """h at a step's beginning."""
+    """e at a step's beginning."""
     return bristles.h_n
 
 
@@ -85,12 +99,10 @@ def record(trace, row, rows, bristles):
 
 
 @inlined_fast
-def update_bristles(sole, poses, hip, turning_speed, stage):
-    """Bend the bristles of both feet over a stage.
-
-    hip: its `Motion` at the stage's end. turning_speed: delta over the stage's time, m/s.
-    """
-    after, share = stage.after, stage.share
+def update_bristles(world, sole, poses, hip, c, stage):
+    """Bend the bristles of both feet over a stage of a time c, s; hip: its `Motion` at the stage's end."""
+    turning_speed = turning_speed_of(world.bristle_length, world, c)
+    after, share = stage.after, stage.share * c / (c + world.retardation)
     for foot in range(2):
         ankle = in_world(ankle_of(poses, foot), hip)
         first, last = submerged(sole, ankle)
@@ -105,5 +117,6 @@ def update_bristles(sole, poses, hip, turning_speed, stage):
             motion = kinematics(ankle, part.x[i], part.z[i])
             h = direction(motion, turning_speed, 0.0, h0, i)
             in_sand = 1.0 if motion.z < 0.0 else 0.0
-            hx[i] = in_sand * (h0[0][i] + share * (h.x - h0[0][i]))
-            hz[i] = in_sand * (h0[1][i] + share * (h.z - h0[1][i]))
+            x, z = h0[0][i] + share * (h.x - h0[0][i]), h0[1][i] + share * (h.z - h0[1][i])
+            in_sand *= rsqrt(max(x * x + z * z, 1.0))  # beyond its stage a slope may lead out of the disc
+            hx[i], hz[i] = in_sand * x, in_sand * z

@@ -19,6 +19,7 @@ Array = NDArray[np.float64]
 
 NEWTON = 0.03  # last step of Newton's method over the plates' mean speed; the forces' error is the square
 STICKING = 1e-3  # the same where bristles hold plates: the law is bent where they begin to slide
+DAMPING = 2.0  # of bristles: critical for a mass that they hold by its weight
 REST = 4  # longer steps while the walker stands
 HALVINGS = 3  # of a step under control, at most
 ROWS = 5_000_000  # poses of a walk that are tabulated, 112 bytes each; ten minutes take 2.6 million
@@ -41,6 +42,7 @@ def world(scene: Scene, accuracy: Accuracy) -> World:
         tilt=float(tilt),
         creep=float(accuracy.creep),
         bristle_length=length,
+        retardation=0.0 if length is None else DAMPING * float(np.sqrt(length / g)),
         tolerance=NEWTON if length is None else STICKING,
         effects=effects.laws(scene.effects),
     )

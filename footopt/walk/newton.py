@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from footopt.compiled import inlined, unless_none
-from footopt.walk.bristles import update_bristles
+from footopt.walk.bristles import turning_speed_of, update_bristles
 from footopt.walk.contact import contact
 from footopt.walk.state import NO_FOOT, Contact, Force, Motion, no_contact
 from footopt.walk.turning import begun, ended, half_way, stepped, turning_plate
@@ -57,7 +57,7 @@ def solve_stage(world, sole, poses, start, c, vx, vz, bristles, turning, counts)
     Stage
     """
     inv, h0 = c / world.mass, _h0(bristles)
-    turning_speed = _turning_speed(world.bristle_length, world.creep, c)
+    turning_speed = turning_speed_of(world.bristle_length, world, c)
     hip = Motion(start.x + c * vx, start.z + c * vz, vx, vz)
     plate, vx, vz = begun(sole, poses, hip, turning, turning_speed, h0)
     best, best_vx, best_vz, dvx, dvz, halved = np.inf, vx, vz, 0.0, 0.0, 0
@@ -72,7 +72,7 @@ def solve_stage(world, sole, poses, start, c, vx, vz, bristles, turning, counts)
             if converged(world, vx, vz, dvx, dvz, at, turning_speed, plate):
                 vx, vz = vx + dvx, vz + dvz
                 end = Motion(start.x + c * vx, start.z + c * vz, vx, vz)
-                _bend(bristles, sole, poses, end, turning_speed)
+                _bend(bristles, world, sole, poses, end, c)
                 left, right = _extrapolated(at.left, dvx, dvz), _extrapolated(at.right, dvx, dvz)
                 return Stage(end, Contact(left, right, ended(plate, vx, vz)), True)
             vx, vz = stepped(plate, vx, vz, dvx, dvz, h0)
@@ -151,14 +151,6 @@ def _speed(foot, both):
 
 
 @inlined
-def _turning_speed(length, creep, c):
-    """The speed over which a plate's direction turns in a stage, m/s."""
-    if length is None:
-        return creep
-    return length / c
-
-
-@inlined
 def _least_speed(length, turning_speed):
     """The least speed against which a step of Newton's method is small, m/s: at rest it would be a drift."""
     if length is None:
@@ -167,9 +159,9 @@ def _least_speed(length, turning_speed):
 
 
 @unless_none
-def _bend(bristles, sole, poses, hip, turning_speed):
+def _bend(bristles, world, sole, poses, hip, c):
     """Bend the bristles."""
-    update_bristles(sole, poses, hip, turning_speed, bristles)
+    update_bristles(world, sole, poses, hip, c, bristles)
 
 
 @unless_none

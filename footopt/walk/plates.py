@@ -52,26 +52,25 @@ def plate_states(
     com: Array,
     velocity: Array,
     scene: Scene,
-    creep: float,
+    turning_speed: float,
     bristles: Array | None = None,
 ) -> PlateStates:
     """The plates of one foot shape under a walker in some states, with a scene's sand and effects.
 
     The plates are directed, of one design; the pose is that of both feet at M times, and place and velocity
-    of the hip are (M, 2), m and m/s. `creep` is the speed over which the law's jump at rest is smoothed, m/s.
-    `bristles` (M, 2, N, 2) are directions h that the sand holds, in place of the smoothed velocity's.
+    of the hip are (M, 2), m and m/s. The law's jump at rest is smoothed over the turning speed, m/s, or
+    `bristles` (M, 2, N, 2) are turned by motion over that speed; infinity leaves them as they are.
     """
-    constants, sole, count = world(scene, Accuracy(creep=creep)), sole_of(plates), plates.x.shape[1]
+    constants, sole, count = world(scene, Accuracy()), sole_of(plates), plates.x.shape[1]
     h0, hip, out = None, np.column_stack([com, velocity]), np.zeros((*pose.x.shape, sole.plates.shape[1], 8))
     if bristles is not None:
         h0 = np.zeros((*pose.x.shape, 2, sole.plates.shape[1]))
         h0[..., :count] = np.moveaxis(bristles, 3, 2)
-    turning_speed = creep if h0 is None else np.inf  # m/s: bristles stay as they are
     compiled_for(each_plate, constants.effects.all)(
         constants, sole, pose.table(), hip, turning_speed, h0, out
     )
     place, moves, force, normal = (out[:, :, :count, i : i + 2] for i in range(0, 8, 2))
-    slip = np.hypot(creep, TURN * float(sole.span) * pose.rate)
+    slip = np.hypot(turning_speed, TURN * float(sole.span) * pose.rate)
     return PlateStates(place, moves, force, normal, plates.area[0], slip)
 
 

@@ -15,6 +15,8 @@ from footopt.effects import reshaping
 from footopt.foot import Foot, Plates
 from footopt.gait.gait import Pose
 from footopt.walk.accuracy import Accuracy
+from footopt.walk.bristles import turning_speed_of
+from footopt.walk.discretize import world
 from footopt.walk.metrics import RAW
 from footopt.walk.objectives import MEASURES, OBJECTIVES, Objective, by_name, lookup, offered
 from footopt.walk.plates import PlateStates, plate_states
@@ -258,8 +260,14 @@ class Walk:
         i = np.asarray(index)
         rows = i if self.remembered is None else self.remembered[i]
         bristles = None if self.bristles is None else self.bristles[rows].astype(np.float64)
-        state = self.sole, self.pose(i), self.com[i], self.velocity[i], self.world, self.accuracy.creep
+        state = self.sole, self.pose(i), self.com[i], self.velocity[i], self.world, self.turning_speed
         return plate_states(*state, bristles=bristles)
+
+    @property
+    def turning_speed(self) -> float:
+        """The speed over which motion turns a plate's direction at an instant, m/s."""
+        constants = world(self.world, self.accuracy)
+        return float(turning_speed_of(constants.bristle_length, constants, 0.0))
 
     @property
     def world(self) -> Scene:

@@ -31,6 +31,7 @@ class World(NamedTuple):
     tilt: float  # gravity along the surface, m/s^2: 0 if it is level
     creep: float  # m/s
     bristle_length: float | None  # over which a plate's bristles bend, m; None without them
+    retardation: float  # s, by which bristles lag behind the force on them
     tolerance: float  # of Newton's method: last step over the plates' mean speed
     effects: Laws
     bypass: bool = False  # whether the gates of `effects` are compiled and not applied

@@ -15,11 +15,10 @@ The method makes the state at t + h out of that at t, and changes nothing but th
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
 from numba.extending import overload
 
 from footopt.compiled import INLINE, inlined
-from footopt.walk.bristles import next_step, update_bristles, whole_step
+from footopt.walk.bristles import next_step, turning_speed_of, update_bristles, whole_step
 from footopt.walk.contact import contact
 from footopt.walk.state import Integrals, State
 
@@ -77,7 +76,7 @@ def explicit_contact(world, sole, poses, hip, bristles, time, counts):
     """
     if bristles is None:
         return contact(world, sole, poses, hip, world.creep, None, None, counts)
-    turning_speed = world.bristle_length / time if time > 0.0 else np.inf
+    turning_speed = turning_speed_of(world.bristle_length, world, time)
     return contact(world, sole, poses, hip, turning_speed, None, bristles.h_n, counts)
 
 
@@ -86,7 +85,7 @@ def finish_step(world, sole, poses, hip, integrals, bristles, h, counts):
     """The state at the end of an explicit step."""
     at = explicit_contact(world, sole, poses, hip, bristles, h, counts)
     if bristles is not None:
-        update_bristles(sole, poses, hip, world.bristle_length / h, whole_step(bristles))
+        update_bristles(world, sole, poses, hip, h, whole_step(bristles))
     return State(hip, at, integrals, next_step(bristles), True)
 
 
