@@ -116,7 +116,7 @@ class TestDefaults:
 
 
 #: Choices of groups that are not names of what they choose.
-UNNAMED = ("own", "coarse")
+UNNAMED = ("coarse",)
 
 
 @cache

@@ -6,11 +6,13 @@ import shutil
 
 import pytest
 import yaml
+from hydra import compose, initialize_config_dir
 from hydra.experimental.callback import Callback
 from running import footopt
 
 import footopt as fo
 from footopt.cli import run as cli_run
+from footopt.cli.compose import CONF, register
 from footopt.files import identity
 
 #: A walk with one foot, of which only the numbers are kept.
@@ -95,6 +97,15 @@ class TestJobs:
         assert not {"report.html", "walk.nc", "contour.stl", "designs.csv"} & set(left["none"])
         for name in ("design", "objectives", "error_estimate", "validity"):
             assert found["none"][name] == found["full"][name]
+
+
+@pytest.mark.parametrize("launcher", ["joblib", "submitit_local", "submitit_slurm"])
+def test_launchers_compose(launcher):
+    pytest.importorskip(f"hydra_plugins.hydra_{launcher.partition('_')[0]}_launcher", reason="an extra")
+    register()
+    with initialize_config_dir(str(CONF), version_base="1.3"):
+        found = compose("config", [f"hydra/launcher={launcher}"], return_hydra_config=True)
+    assert launcher.partition("_")[0] in found.hydra.launcher._target_
 
 
 @pytest.mark.slow

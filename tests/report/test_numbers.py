@@ -1,12 +1,13 @@
-"""One format for each quantity."""
+"""One format for each quantity, and no progress in a file."""
 
+import io
 import math
 
 import pytest
+from rich.console import Console
 
-import footopt as fo
 from footopt.report.numbers import change, number
-from footopt.report.terminal import describe_scene
+from footopt.report.progress import progress
 
 
 @pytest.mark.parametrize(
@@ -25,7 +26,9 @@ def test_a_change_of_j_w_is_a_multiple_and_others_are_percentages():
     assert change("work", 1.0, 0.0) == "-"
 
 
-def test_parameters_of_effects_have_units():
-    scene = fo.Scene(effects=(fo.Slope(10), fo.Patches((0.9,), (1.5,), (0.2,))))
-    words = "patches (begins 0.9 m, ends 1.5 m, factors 0.2, blur 0.05 m), slope (angle 10 deg)"
-    assert describe_scene(scene) == f"hard sand (zeta 5), {words}"
+def test_a_log_file_has_no_progress():
+    file = io.StringIO()
+    with progress(Console(file=file, width=130), 200, "walk") as step:
+        for i in range(200):
+            step(news=f"number {i + 1}")
+    assert file.getvalue() == ""

@@ -16,7 +16,8 @@ from scipy.io import netcdf_file
 
 import footopt as fo
 from footopt.files import io as files
-from footopt.report import plot, stage
+from footopt.report import plot, stage, terminal
+from footopt.report.page import write_study
 
 NASTY = '<script>alert("&")</script>'
 
@@ -123,13 +124,16 @@ def test_an_object_is_a_line_without_arrays_which_its_card_has(card_of, things, 
         assert repr(thing) in card_of(name).text
 
 
-def test_names_are_escaped(walked, monkeypatch):
+def test_names_are_escaped(walked, monkeypatch, tmp_path):
     monkeypatch.setattr(plot, "png", lambda figure, dpi: b"")
     foot = replace(walked.foot, name=NASTY)
     for shown in (foot, fo.Sand(name=NASTY), replace(walked, foot=foot)):
         text = plot.card(shown)
         assert "<script" not in text
         assert "alert(" in Parsed(text).text
+    table = terminal.table((NASTY,), rows=[(NASTY,)])
+    written = write_study(tmp_path, NASTY, [NASTY], {}, [table], {"settings": {NASTY: NASTY}}, [NASTY])
+    assert NASTY.partition("(")[0] not in written.read_text(encoding="utf-8")
 
 
 # --- what is drawn --------------------------------------------------------------------------------
