@@ -4,6 +4,7 @@ import csv
 import json
 import math
 import os
+import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from importlib.metadata import version
@@ -90,21 +91,29 @@ def read_columns(
     """Read columns of numbers from a CSV file (see `parse_table`), each (rows,), by name; and one of words.
 
     `units` says in which unit each column is that there must be, `optional` the value of any other one where
-    it is missing; words are empty where the column `label` is missing. Raises `FileError` if the file cannot
+    it is missing; words are empty where the column `label` is missing. A name may be written as in
+    "Depth [mm]" or "Force (N)". Raises `FileError` if the file cannot
     be read, lacks a column, or holds something that is no number.
     """
     text = read_text(path, setting)
     with naming(path, setting):
-        table = parse_table(text)
+        known = {_plain(name): name for name in (*units, *(optional or {}), label)}
+        table = {known.get(_plain(name), name): cells for name, cells in parse_table(text).items()}
         if missing := [name for name in units if name not in table]:
+            wanted = ", ".join(f"{name} ({unit})" if unit else name for name, unit in units.items())
             raise Unusable(
-                f"the header lacks {', '.join(missing)}; the columns must be {', '.join(units)} "
-                f"({', '.join(units.values())}), with commas, semicolons or tabs between them."
+                f"the header lacks {', '.join(missing)}; the columns must be {wanted}, with commas, "
+                "semicolons or tabs between them."
             )
         rows = len(next(iter(table.values())))
         found = {name: np.full(rows, value) for name, value in (optional or {}).items()}
         found |= {name: numbers(table, name) for name in (*units, *found) if name in table}
         return found, table.get(label, [""] * rows)
+
+
+def _plain(name: str) -> str:
+    """The name of a column without what differs between files: depth_mm of "Depth [mm]"."""
+    return re.sub(r"[^a-z0-9]+", "_", name.lower().replace("²", "2").replace("^", "")).strip("_")
 
 
 @contextmanager

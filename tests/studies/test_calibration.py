@@ -58,6 +58,11 @@ def test_without_noise_zeta_is_exact_in_every_part(tmp_path):
     assert found.zeta.value == pytest.approx(2.0, rel=1e-4)  # forces are written to a millinewton
     assert [ratio.value for ratio in found.parts.values()] == pytest.approx([1.0] * 4, rel=1e-3)
     assert found.warnings == []
+    rows = (tmp_path / "t.csv").read_text().removeprefix(HEAD)
+    (tmp_path / "t.csv").write_text(
+        f"Depth [mm],Force (N),Area [cm²],Angle_deg,direction [deg],Repeat\n{rows}"
+    )
+    assert calibrate(tmp_path / "t.csv").zeta == found.zeta
 
 
 def test_the_spread_is_that_of_sand_prepared_anew(tmp_path):
