@@ -1,12 +1,10 @@
 """Controllers of robots in files: a table of commands, or a function of your own."""
 
-import sys
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from footopt.errors import Unusable, check, naming
-from footopt.files.io import numbers, parse_table, read_text
+from footopt.files.io import load_module, numbers, parse_table, read_text
 from footopt.mujoco.controllers import Commands, FunctionController
 
 TIMES = ("t", "time", "time_s", "t_s")
@@ -31,9 +29,7 @@ def read_controller(path: str) -> Commands | FunctionController:
     file, _, function = path.rpartition(":") if ".py:" in path else (path, "", "")
     check(Path(file).is_file(), "robot.controller", path, "FILE.py:FUNCTION, or a CSV file that is there")
     if function:
-        if (folder := str(Path(file).parent.absolute())) not in sys.path:
-            sys.path.append(folder)  # which worker processes are given, too
-        found: Any = getattr(import_module(Path(file).stem), function, None)
+        found: Any = getattr(load_module(file, "robot.controller"), function, None)
         check(callable(found), "robot.controller", path, f"a function of {Path(file).name}")
         return FunctionController(found)
     with naming(file, "robot.controller"):

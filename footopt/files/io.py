@@ -1,20 +1,23 @@
-"""Reading and writing of files: text, JSON and tables with errors that name the file; each written whole."""
+"""Reading and writing of files: text, JSON, tables, code; errors name the file, each is written whole."""
 
 import csv
 import json
 import math
 import os
 import re
+import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
+from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from footopt.errors import FileError, Unusable, named, naming
+from footopt.errors import FileError, SettingError, Unusable, check, named, naming
 
 Array = NDArray[np.float64]
 Variable = tuple[tuple[str, ...], str, Array]  # dimensions, unit, values
@@ -114,6 +117,27 @@ def read_columns(
 def _plain(name: str) -> str:
     """The name of a column without what differs between files: depth_mm of "Depth [mm]"."""
     return re.sub(r"[^a-z0-9]+", "_", name.lower().replace("²", "2").replace("^", "")).strip("_")
+
+
+def load_module(name: str, setting: str) -> ModuleType:
+    """Import a module, or a Python file, whose folder joins the module path, also that of worker processes.
+
+    A `SettingError` says that it is not there, fails, or has the name of another module.
+    """
+    path = Path(name).absolute()
+    is_file = path.suffix == ".py"
+    if is_file:
+        check(path.is_file(), setting, name, "a file that is there, or an importable module")
+        if str(path.parent) not in sys.path:
+            sys.path.append(str(path.parent))
+    try:
+        module = import_module(path.stem if is_file else name)
+    except Exception as error:
+        why = f"something that can be imported ({type(error).__name__}: {error})"
+        raise SettingError(setting, name, why) from error
+    own = not is_file or (module.__file__ is not None and path.samefile(module.__file__))
+    check(own, setting, name, "a file whose name is not that of another module", f"Rename {path.name}.")
+    return module
 
 
 @contextmanager

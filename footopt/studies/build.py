@@ -2,11 +2,8 @@
 
 import math
 import os
-import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, fields, replace
-from importlib import import_module
-from pathlib import Path
 from typing import Any
 
 from footopt.design import Choice, FootProblem
@@ -14,6 +11,7 @@ from footopt.effects import EFFECTS, Effect
 from footopt.errors import SettingError, check
 from footopt.files.controllers import read_controller
 from footopt.files.gaits import read_gait, read_strides
+from footopt.files.io import load_module
 from footopt.files.sands import read_sand
 from footopt.files.soles import read_foot
 from footopt.files.strides import Strides
@@ -66,30 +64,12 @@ def absolute(settings: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def load_plugins(plugins: Sequence[str]) -> None:
-    """Import files (of the user's own, .py) and modules, which register what they bring.
-
-    A file's folder joins the module path, which worker processes are given, too. A `SettingError` says that
-    one is not there, fails, or has the name of another module.
-    """
+    """Import files of the user's own and modules, which register what they bring: see `load_module`."""
     good = isinstance(plugins, Sequence) and not isinstance(plugins, str)
-    check(
-        good and all(isinstance(p, str) for p in plugins), "plugins", plugins, "a list of files and modules"
-    )
+    good = good and all(isinstance(plugin, str) for plugin in plugins)
+    check(good, "plugins", plugins, "a list of files and modules")
     for plugin in plugins:
-        path = Path(plugin).absolute()
-        is_file = path.suffix == ".py"
-        if is_file:
-            check(path.is_file(), "plugins", plugin, "a file that is there, or an importable module")
-            if str(path.parent) not in sys.path:
-                sys.path.append(str(path.parent))
-        try:
-            module = import_module(path.stem if is_file else plugin)
-        except Exception as error:
-            why = f"something that can be imported ({type(error).__name__}: {error})"
-            raise SettingError("plugins", plugin, why) from error
-        own = not is_file or (module.__file__ is not None and path.samefile(module.__file__))
-        allowed = "a file whose name is not that of another module"
-        check(own, "plugins", plugin, allowed, f"Rename {path.name}.")
+        load_module(plugin, "plugins")
 
 
 def make_sand(config: SandConfig) -> Sand:
