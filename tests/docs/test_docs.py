@@ -131,7 +131,7 @@ def bundles():
     """
     found = []
     for arguments in FOOTOPT:
-        if {"--config-dir", "--help", "--version"} & set(arguments):
+        if {"--config-dir", "--help", "--version"} & set(arguments) or "plugins=" in " ".join(arguments):
             continue
         own = {}
         for word in overrides(arguments):
