@@ -38,6 +38,15 @@ def feel(plates, pose, vx, vz, *on, zeta=1.0, creep=1e-2, stage=None, x=0.0, z=0
     return np.array(found.left), counts
 
 
+def momentum_gap(walk):
+    """Momentum that neither the sand's impulse nor gravity explains, (2,), N s; rounding only."""
+    walker = walk.scene.walker
+    tilt, g = walk.scene.gravity
+    gravity = walker.mass * np.array([tilt, -g])
+    impulse = np.array([walk.totals["impulse_x"], walk.totals["impulse_z"]]) + gravity * walk.t[-1]
+    return walker.mass * walk.velocity[-1] - impulse
+
+
 def force(*arguments, **options):
     """F_x and F_z, N."""
     return feel(*arguments, **options)[0][:2]

@@ -78,12 +78,3 @@ def creep_while_standing(walk: Walk) -> float:
     """How far smoothing lets the walker sink before the gait starts, m: `sinking_speed` summed up."""
     t = float(min(walk.scene.gait.start, walk.t[-1]))
     return 1.5 * sinking_speed(walk, t) * t if t > 0.0 else 0.0
-
-
-def momentum_gap(walk: Walk) -> Array:
-    """Momentum that neither the sand's impulse nor gravity explains, (2,), N s; rounding only."""
-    walker = walk.scene.walker
-    tilt, g = walk.scene.gravity
-    gravity = walker.mass * np.array([tilt, -g])
-    impulse = np.array([walk.totals["impulse_x"], walk.totals["impulse_z"]]) + gravity * walk.t[-1]
-    return np.asarray(walker.mass * walk.velocity[-1] - impulse)

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from every_effect import ALL, LAYERS, PATCHES, difference
-from feet_in_sand import HEIGHT, PITCH, PLACE, RATE, SOLES, SPEED, feel, force, pose_of
+from feet_in_sand import HEIGHT, PITCH, PLACE, RATE, SOLES, SPEED, feel, force, momentum_gap, pose_of
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
@@ -14,7 +14,7 @@ import footopt as fo
 from footopt.effects import EFFECTS, Inertia, Layers, Patches, Slope, laws, reshaping
 from footopt.effects import base as effects
 from footopt.effects.dual import Dual
-from footopt.walk.balances import energy_gap, momentum_gap
+from footopt.walk.balances import energy_gap
 from footopt.walk.discretize import NEWTON, sole_of, world
 from footopt.walk.loop import both_feet
 from footopt.walk.own_code import compiled_for

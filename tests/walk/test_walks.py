@@ -6,6 +6,7 @@ from dataclasses import replace
 import every_effect
 import numpy as np
 import pytest
+from feet_in_sand import momentum_gap
 from lsoda import lsoda_objectives
 
 import footopt as fo
@@ -13,7 +14,7 @@ from footopt import compiled
 from footopt.gait import LEFT, RIGHT
 from footopt.walk import STEPPERS, own_code
 from footopt.walk.accuracy import TOLERANCES
-from footopt.walk.balances import energy_gap, momentum_gap
+from footopt.walk.balances import energy_gap
 from footopt.walk.loop import walk_designs
 from footopt.walk.reference import LIMITS, PUBLISHED, RAMP, SAME_PLATES
 
