@@ -152,9 +152,9 @@ def candidates(result: SearchResult, laws: tuple[Scenario, ...], share: float, *
     """Soles (soles, n) that should lose little under every law, found from a search under the scene's own.
 
     Each law in turn is searched with `share` of the search's evaluations, from the best soles of the laws
-    before it and from finalists; then, from the best sole of each law, a `RobustProblem` with twice as many.
-    They walk no finer than `draft`: what is found is to be evaluated again. A law under which no foot walks
-    is left out.
+    before it and from finalists; then, from the best sole of each law, a `RobustProblem` with three times as
+    many. They walk no finer than `draft`: what is found is to be evaluated again. A law under which no foot
+    walks is left out.
 
     Parameters
     ----------
@@ -196,7 +196,7 @@ def candidates(result: SearchResult, laws: tuple[Scenario, ...], share: float, *
         limits = {name: limit for name, limit in problem.limits.items() if name != problem.ranking_objective}
         together = RobustProblem(walked, problem.names, **common, references=references, limits=limits)
         with suppress(FootoptError):  # none walks under all of them
-            found.append(_best(searched(together, np.concatenate(found[1:]), 2 * walks)))
+            found.append(_best(searched(together, np.concatenate(found[1:]), 3 * walks)))
     return np.unique(np.concatenate(found), axis=0)
 
 

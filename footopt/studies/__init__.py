@@ -67,8 +67,8 @@ class Optimize(SearchSettings):
     details: bool = setting(False, "Whether the closing lines tell everything about the answer.")
     laws: float | None = setting(
         0.05,
-        "Share of the search's evaluations for a search under each law, before twice as many for the foot to "
-        "print, which loses least under the worst of them; null: no such foot.",
+        "Share of the search's evaluations for a search under each law, before one for the foot to print, "
+        "which loses least under the worst of them; null: no such foot.",
     )
     start: list[int] | None = setting(
         None, "Heights of the sole that a search begins with, or of several in a row."
