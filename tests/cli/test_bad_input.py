@@ -42,6 +42,9 @@ COMMANDS = {
     "solver.n_gen=2.5": "solver.n_gen = '2.5'",
     "study=robust study.reuse=maybe": "study.reuse = 'maybe'",
     "foot.k=5": "foot.k = '5'",
+    "plugins=mine.py": "plugins = 'mine.py'",
+    "plugins=[mine.py]": "plugins = 'mine.py'",
+    "simulator=biped robot.controller=broken.csv:f": "robot.controller = 'broken.csv:f'",
     # values that the library refuses
     "sand.zeta=0": "sand.zeta = 0",
     "study.confirm=fien": "study.confirm = 'fien'",
