@@ -67,10 +67,13 @@ def draw_contour(axes: Axes, foot: Foot) -> None:
         length, height = MM * foot.space.L, MM * foot.space.H
         axes.add_patch(Rectangle((-length, -height), 2 * length, height, color=style.PALE, lw=0))
         axes.annotate("box", (-length, 0.0), (0, 2), **near, color="0.4")
-    axes.plot(*(MM * foot.contour).T, color=style.BEST, label="_sole", zorder=3)
+    colour = style.look(foot.name.partition(" ")[0], 0)[
+        "color"
+    ]  # that of its walk: "best of memetic" is the best
+    axes.plot(*(MM * foot.contour).T, color=colour, label="_sole", zorder=3)
     if foot.space is not None and foot.k is not None:
         points = foot.space.x, foot.space.heights(foot.k)[0]
-        axes.plot(*(MM * np.array(points)), "o", color=style.BEST, mfc="white", label="_waypoint", zorder=4)
+        axes.plot(*(MM * np.array(points)), "o", color=colour, mfc="white", label="_waypoint", zorder=4)
     ankle = MM * np.array(foot.ankle)
     axes.plot(*ankle, **ANKLE)
     axes.annotate("ankle", ankle, (4, 3), **near)

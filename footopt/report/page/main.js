@@ -34,8 +34,8 @@ function underLaws(i, name) {
 const doubtful = (share, under) => under.some((u) => u.share * share < 0) ? ", sign not certain" : "";
 
 const errorOf = (i, name) => Math.abs((i === data.best ? entry.error_estimate : judgedHere(i).errors)?.[name] ?? NaN);
-/** The best of a search has its colour, any other sole that of the chosen one. */
-const colourOf = (i) => (i === data.best && data.objectives ? "var(--best)" : "var(--chosen)");
+/** The best of a search has its colour, any other sole that of the chosen one; the sole of a single walk that of the figures. */
+const colourOf = (i) => `var(--${i !== data.best ? "chosen" : data.objectives ? "best" : label(i) === "flat" ? "flat" : "line-0"})`;
 
 /** How far the law itself may be off, from experiments on sand. */
 function ofTheLaw() {
