@@ -13,25 +13,11 @@ Array = NDArray[np.float64]
 
 
 def importance(k: NDArray[np.int64], values: Array, seed: int = 0) -> dict[str, Any] | None:
-    """How much each waypoint's height tells of a value among designs, as shares of 1.
+    """How much each waypoint's height, of k (designs, n), tells of a value (designs,): shares of 1.
 
     A quadratic is fitted to half of the designs. A waypoint matters by how much the fit's squared error in
-    the other half rises where the heights of this waypoint are shuffled among the designs.
-
-    Parameters
-    ----------
-    k : (designs, n)
-        Heights.
-    values : (designs,)
-        Those that are not finite are left out.
-    seed : int
-        Of halves and shuffles.
-
-    Returns
-    -------
-    dict or None
-        "shares" of 1, (n,), and "explained", the share of the variance that the fit explains in the other
-        half; None where the designs are too few, or the fit explains nothing.
+    the other half rises where its heights are shuffled among them; "explained" is the share of their variance
+    that the fit explains. None where the designs are too few, or the fit explains nothing.
     """
     rng = np.random.default_rng(seed)
     rows = rng.permutation(np.flatnonzero(np.isfinite(values)))[: 2 * MOST]
@@ -46,8 +32,8 @@ def importance(k: NDArray[np.int64], values: Array, seed: int = 0) -> dict[str, 
         return np.column_stack([np.ones(len(x)), x, x[:, pairs[0]] * x[:, pairs[1]]])
 
     fitted, judge, told = terms(z[::2]), z[1::2], y[1::2]
-    matrix = fitted.T @ fitted + RIDGE * len(fitted) * np.eye(fitted.shape[1])
-    weights = np.linalg.solve(matrix, fitted.T @ y[::2])
+    ridge = RIDGE * len(fitted) * np.eye(fitted.shape[1])
+    weights = np.linalg.solve(fitted.T @ fitted + ridge, fitted.T @ y[::2])
 
     def error(x: Array) -> float:
         return float(np.mean((told - terms(x) @ weights) ** 2))
@@ -58,6 +44,6 @@ def importance(k: NDArray[np.int64], values: Array, seed: int = 0) -> dict[str, 
         shuffled[:, place] = rng.permutation(judge[:, place])
         rises[waypoint] = max(error(shuffled) - least, 0.0)
     explained = 1.0 - least / float(told.var())
-    if explained <= 0.0 or not rises.any():
-        return None
-    return {"shares": rises / rises.sum(), "explained": explained}
+    return (
+        {"shares": rises / rises.sum(), "explained": explained} if explained > 0.0 and rises.any() else None
+    )
