@@ -83,6 +83,7 @@ def test_a_page_loads_alone_names_all_that_one_operates_and_fits_any_window(kind
         cells = [cell.text for cell in shown.all("#tables th, #tables td")]
         assert cells == ["name", "a number", "[bold]", "1.25 %"]
     if kind == "front":
+        assert "Only 144 designs were evaluated" in shown.text("#warnings")
         assert shown.judged() == []  # by axe
 
 

@@ -29,6 +29,7 @@ ON_THE_PAGE = ("front", "front_values", "confirmed")  # as designs, not as entri
 HOLLOW = 0.1  # of the height of a space's box; a smaller one is not named
 PLANETS = {3.73: " on Mars", 1.62: " on the Moon"}
 POSE_STEP = 0.01  # s, between the poses of the gait
+FEW = 1000  # designs, with which a search may still be some percent from the best known
 OUTSIDE = "a robot walks in MuJoCo, not in the page"
 
 Array = NDArray[np.float64]
@@ -90,6 +91,8 @@ def search_content(
             *([certificate["says"]] if certificate else []),
             *([f"{len(rows)} of the designs are on this page"] if len(rows) < result.designs else []),
         ],
+        "warnings": [] if exact or result.designs >= FEW else [
+            f"Only {result.designs} designs were evaluated: a search of 10,000 may find a better foot."],
         "ranking_objective": problem.names[0],
         "choice": problem.choice.by if several else "best",
         "objectives": list(problem.names),
