@@ -191,6 +191,8 @@ def _describe_ladder(problem: FootProblem) -> list[str]:
         f"{numbers.plates} plates and steps of {1e3 * numbers.dt:.3g} ms at most, found in the time of "
         f"{walks:.0f} walks"
     )
+    if math.isnan(found.error):
+        return [f"Errors are not known, because all random soles fail, with {with_them}"]
     if found.error <= SHARE * accuracy.error:
         return [f"Errors within {percent(accuracy.error)} take {with_them}"]
     reached = f"are {percent(found.error)}" if math.isfinite(found.error) else "of some are falls"

@@ -69,7 +69,7 @@ class Found(NamedTuple):
     """The end of a ladder."""
 
     rung: Rung
-    error: float  # of the probes' objectives, relative; infinite where one ends otherwise when refined
+    error: float  # of the probes' objectives, relative; infinite where one ends otherwise when refined, NaN if all fail
     work: float  # of one of their walks, in evaluations of a plate
     price: float = math.nan  # of all walks that found it
     path: tuple[Rung, ...] = ()  # from the coarsest numbers on
@@ -245,7 +245,7 @@ def climb(
         finer = [[at(rung.up(side, by, top)) for by in looks] for side in range(len(rung))]
         changes = [SAFE * np.max([changes_of(values, other) for other, _ in ups], axis=0) for ups in finer]
         errors = [worst(change) for change in changes]
-        passed.append(Found(rung, worst(sum(changes)), cost))
+        passed.append(Found(rung, math.nan if np.isnan(values).all() else worst(sum(changes)), cost))
         worth = {
             side: errors[side] / max(finer[side][0][1] - cost, CHEAP * cost)
             for side in range(len(rung))

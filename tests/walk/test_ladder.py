@@ -79,6 +79,11 @@ class TestTheClimb:
         assert short.price <= 60.0 * short.work
         assert short.error > 0.005
 
+    def test_of_probes_that_all_fail_the_error_is_not_known(self):
+        found = climb(lambda rung: (np.full((10, 5), np.nan), 1.0), TOP, 0.005)
+        assert math.isnan(found.error)
+        assert found.rung == Rung()
+
     def test_of_one_side_alone_where_others_are_held(self):
         assert climb(Halving([0.1, 0.1, 0.0]), Rung(0, 13, 0), 0.005).rung[0] == 0
 
