@@ -69,7 +69,7 @@ class Found(NamedTuple):
     """The end of a ladder."""
 
     rung: Rung
-    error: float  # of the probes' objectives, relative; infinite where one ends otherwise when refined, NaN if all fail
+    error: float  # of the probes' objectives, relative; NaN if all fail, infinite if refined ones do
     work: float  # of one of their walks, in evaluations of a plate
     price: float = math.nan  # of all walks that found it
     path: tuple[Rung, ...] = ()  # from the coarsest numbers on
