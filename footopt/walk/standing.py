@@ -6,8 +6,8 @@ from footopt.compiled import inlined
 from footopt.walk.contact import bristles_between, part_force, submerged
 from footopt.walk.state import Ankle, ankle_of, lowest
 
-DOWN = 2.0**-40  # m/s: too slow to change a pressure of an effect, and a power of two, which rounds nothing
-SLOW = 1e-9 * DOWN  # m/s: a turning speed that changes no force of plates that move as fast
+DOWN = 2.0**-30  # m/s: too slow to change a pressure of an effect, and a power of two, which rounds nothing
+SLOW = 1e-9 * DOWN  # m/s: a turning speed that changes no such force; its square is one that `rsqrt` takes
 
 
 @inlined

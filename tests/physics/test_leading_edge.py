@@ -9,12 +9,20 @@ from feet_in_sand import blade, force, pose_of
 from hypothesis import given
 from hypothesis import strategies as st
 
+import footopt as fo
 from footopt.effects import LeadingEdge, laws
 from footopt.effects import base as effects
 from footopt.effects.dual import Dual
 
 
 class TestLeadingEdge:
+    def test_a_walker_stands_on_a_flat_sole_as_without_it(self, flat_foot):
+        starts = [
+            fo.simulate(flat_foot, fo.Scene(effects=on, t_f=0.1), fo.Accuracy()).start[1]
+            for on in ((), (LeadingEdge(),), (LeadingEdge(), fo.Inertia()))
+        ]
+        assert starts == pytest.approx([starts[0]] * 3, rel=1e-14)
+
     @given(st.floats(-3.1, 3.1), st.floats(-math.pi, math.pi), st.floats(0.05, 2.0))
     def test_a_face_that_leads_feels_the_whole_law_and_one_that_trails_nothing(self, beta, angle, speed):
         creep = 1e-2
