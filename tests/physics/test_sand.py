@@ -149,7 +149,7 @@ class TestTableFit:
     @pytest.mark.parametrize(
         ("text", "message"),
         [
-            ("beta,gamma,alpha_x,force\n", r"lacks alpha_z.*must be beta, gamma, alpha_x, alpha_z"),
+            ("beta,gamma,alpha_x,force\n", r"lacks alpha_z.*must be beta .deg., gamma .deg., alpha_x"),
             (f"{HEAD}0,0,1,1\n0,much,1,1\n", "row 2: gamma is 'much'"),
             (f"{HEAD}0,0,1\n", "row 1 has 3 cells, the header 4"),
             (f"{HEAD}0,0,nan,1\n", "row 1: alpha_x is 'nan'"),
