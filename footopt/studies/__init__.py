@@ -168,6 +168,7 @@ class Export(StudySettings):
 
     name: str = "export"
     run: str | None = setting(None, "Folder of the run whose foot is meant.")
+    foot: str = setting("best", "Which of its feet: best, or to_print.")
     reads = ("foot.k", "foot.block")
 
 

@@ -30,7 +30,7 @@ def run(study: Study) -> None:
     if folder is None:
         advice = "Try footopt study=export run=outputs/optimize/..."
         raise SettingError("run", None, "the folder of a run", advice)
-    foot, block = foot_of(Path(folder), config.foot.k), config.foot.block
+    foot, block = foot_of(Path(folder), config.foot.k, study.options.foot), config.foot.block
     written, notes = write_all(foot, study.folder, block)
     outline, width = MM * body_outline(foot, block), MM * foot.width
     area = float(Polygon(outline).area)

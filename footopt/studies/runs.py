@@ -187,8 +187,8 @@ def in_world_of_run(
     return cast(dict[str, Any], OmegaConf.to_container(found))
 
 
-def foot_of(folder: Path, k: list[int] | None = None) -> Foot:
-    """The foot of a run: its best sole, or another one k (n,) of its design space.
+def foot_of(folder: Path, k: list[int] | None = None, which: str = "best") -> Foot:
+    """The foot of a run: its best sole, or the one "to_print", or another one k (n,) of its design space.
 
     Raises
     ------
@@ -201,6 +201,10 @@ def foot_of(folder: Path, k: list[int] | None = None) -> Foot:
     try:
         result = files.read_json_file(folder / "result.json", "run")
         design, saved = result["design"], FootConfig(**result["settings"]["foot"])
+        if which != "best":
+            here = "best: this run has searched no foot to print"
+            check(which == "to_print" and "to_print" in result, "study.foot", which, here)
+            design = result["to_print"]
         of_space = saved.shape == "waypoints" and design["k"] is not None
         check(k is None or of_space, "foot.k", k, f"null: the run's foot is {saved.shape}")
         if k is not None:

@@ -4,6 +4,7 @@ import csv
 import json
 from importlib.util import find_spec
 
+import numpy as np
 import pytest
 from running import QUICK, footopt, only_folder
 from study_pages import check_page
@@ -62,6 +63,14 @@ class TestOptimize:
         assert confirmed["k"][0] == result["design"]["k"]
         assert 1 < len(j) <= 20
         assert 0 < confirmed["largest_change"] < 0.1
+
+    def test_the_foot_to_print_is_there_in_every_form_and_loses_no_more_than_the_best(self, run_ga):
+        _, folder = run_ga
+        found = json.loads((folder / "result.json").read_text())["to_print"]
+        assert found["worst_loss"] <= found["worst_loss_of_best"]
+        contour = np.loadtxt(folder / "to_print.csv", delimiter=",", skiprows=1)
+        np.testing.assert_allclose(contour, 1e3 * fo.Foot.from_waypoints(found["k"]).contour, atol=1e-6)
+        assert {path.suffix for path in folder.glob("to_print.*")} >= {".csv", ".dxf", ".svg", ".stl"}
 
     def test_designs_csv_holds_every_design(self, run_ga):
         with open(run_ga[1] / "designs.csv", newline="") as file:

@@ -125,9 +125,10 @@ class TestStudy:
         run, exported = tmp_path / "run", tmp_path / "out"
         run.mkdir()
         exported.mkdir()
-        result = {"design": {"k": [4] * 11, "name": "flat"}, "settings": {"foot": asdict(FootConfig())}}
+        best, flat = {"k": [5, 1] * 5 + [5], "name": "best"}, {"k": [4] * 11, "name": "to print"}
+        result = {"design": best, "to_print": flat, "settings": {"foot": asdict(FootConfig())}}
         (run / "result.json").write_text(json.dumps(result))
-        config = Config(study=Export(run=str(run)), foot=FootConfig(block=[0.06, 0.02]))
+        config = Config(study=Export(run=str(run), foot="to_print"), foot=FootConfig(block=[0.06, 0.02]))
         run_study(config, exported, {})
         check_page(exported)
         (table,) = data_of(exported)["tables"]
@@ -138,3 +139,7 @@ class TestStudy:
         assert record["area_mm2"] == pytest.approx(4320.0)  # 260 x 12 and 60 x 20 mm
         assert record["volume_mm3"] == pytest.approx(432000.0)
         assert record["size_mm"] == pytest.approx([260.0, 32.0, 100.0])
+        del result["to_print"]
+        (run / "result.json").write_text(json.dumps(result))
+        with pytest.raises(SettingError, match=r"study\.foot = 'to_print': must be best"):
+            run_study(config, tmp_path / "other", {})
