@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from footopt.design import Confirmation, SearchResult
 
 HEADER = 8  # letters of a line of a number's header
+FEW = 1_000  # designs, with which a search may still be some percent from the best known
 WORDS = 10  # letters of a table's first column in the narrowest terminal
 
 
@@ -240,6 +241,13 @@ def describe_search(result: SearchResult) -> str:
         f"{result.designs} designs{reused} in {result.seconds:.1f} s, {result.infeasible} infeasible{why}"
         f"{front}{ended}"
     )
+
+
+def describe_few(designs: int, exact: bool) -> str:
+    """A caution where a search that is not exact has evaluated few designs, or ""."""
+    if exact or designs >= FEW:
+        return ""
+    return f"Only {designs} designs were evaluated: a search of 10,000 may find a better foot."
 
 
 def describe_confirmation(confirmed: Confirmation) -> str:

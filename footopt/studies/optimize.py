@@ -111,7 +111,8 @@ def run(study: Study) -> Any:
     elif outside := [d.name for d in diagnostics if d.outside]:
         see = " (report.html says why)" if study.wants_report else ""
         terminal.warn(study.console, f"outside the tested range: {', '.join(outside)}{see}.")
-    for words in _warnings(problem, values, base, by_j):
+    few = terminal.describe_few(result.designs, solver.name == EXHAUSTIVE)
+    for words in [*_warnings(problem, values, base, by_j), *([few] if few else [])]:
         terminal.warn(study.console, words)
     study.close()
     if result.interrupted:

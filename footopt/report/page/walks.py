@@ -16,7 +16,12 @@ from footopt.report.page.importance import importance
 from footopt.report.page.physics import physics, spline
 from footopt.report.stage import forces_along, ground, groups
 from footopt.report.style import sides
-from footopt.report.terminal import describe_confirmation, describe_scene, describe_search
+from footopt.report.terminal import (
+    describe_confirmation,
+    describe_few,
+    describe_scene,
+    describe_search,
+)
 from footopt.sand.law import EARTH
 from footopt.walk import MEASURES, Scene, Simulator, Walk
 from footopt.walk.accuracy import AnyAccuracy
@@ -29,7 +34,6 @@ ON_THE_PAGE = ("front", "front_values", "confirmed")  # as designs, not as entri
 HOLLOW = 0.1  # of the height of a space's box; a smaller one is not named
 PLANETS = {3.73: " on Mars", 1.62: " on the Moon"}
 POSE_STEP = 0.01  # s, between the poses of the gait
-FEW = 1000  # designs, with which a search may still be some percent from the best known
 OUTSIDE = "a robot walks in MuJoCo, not in the page"
 
 Array = NDArray[np.float64]
@@ -68,12 +72,12 @@ def search_content(
     `entry` is the run's result.json.
     """
     problem, chosen, several = result.problem, int(confirmed.designs[0]), result.problem.n_obj > 1
-    search, printed = describe_search(result), []
+    exact = result.solver.name == EXHAUSTIVE
+    search, few, printed = describe_search(result), describe_few(result.designs, exact), []
     if entry.get("to_print"):
         k = np.array([entry["to_print"]["k"]])
         result = joined(result, k, *problem.walk(k))
         printed = np.flatnonzero((result.k == k).all(axis=1)).tolist()
-    exact = result.solver.name == EXHAUSTIVE
     others = np.setdiff1d(np.arange(result.designs), result.shown)
     room = min(SHOWN - len(result.shown), len(others))
     even = others[np.linspace(0, len(others) - 1, room).astype(int)]
@@ -91,8 +95,7 @@ def search_content(
             *([certificate["says"]] if certificate else []),
             *([f"{len(rows)} of the designs are on this page"] if len(rows) < result.designs else []),
         ],
-        "warnings": [] if exact or result.designs >= FEW else [
-            f"Only {result.designs} designs were evaluated: a search of 10,000 may find a better foot."],
+        "warnings": [few] if few else [],
         "ranking_objective": problem.names[0],
         "choice": problem.choice.by if several else "best",
         "objectives": list(problem.names),
