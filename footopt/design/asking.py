@@ -7,7 +7,6 @@ from typing import Any
 from pymoo.core.algorithm import Algorithm as PymooAlgorithm
 from pymoo.core.initialization import Initialization
 from pymoo.core.problem import Problem
-from pymoo.core.sampling import Sampling
 from pymoo.problems.static import StaticProblem
 
 from footopt.design.known import Known
@@ -49,19 +48,6 @@ def as_solver(algorithm: Any, budget: dict[str, Any]) -> Solver:
     return OfPymoo(name=type(algorithm).__name__, algorithm=algorithm, **size, **budget)
 
 
-class Begun(Sampling):
-    """A sampling whose first designs are given; the others are drawn as before."""
-
-    def __init__(self, other: Sampling, start: Ints) -> None:
-        super().__init__()
-        self._other, self._start = other, start
-
-    def _do(self, problem: Problem, n_samples: int, **kwargs: Any) -> Any:
-        drawn = Initialization(self._other).do(problem, n_samples, **kwargs).get("X").copy()
-        drawn[: len(self._start)] = self._start
-        return drawn
-
-
 class Algorithm:
     """A solver's pymoo algorithm at work: `ask` it for designs, `tell` it what became of them."""
 
@@ -86,7 +72,10 @@ class Algorithm:
             check(initial is not None, "start", solver.name, "left out: this solver draws its own designs")
             most = next(solver.sizes())
             check(len(start) <= most, "start", len(start), f"at most {most} designs")
-            initial.sampling = Begun(initial.sampling, start)
+            drawing = Initialization(initial.sampling)
+            drawn = drawing.do(problem, most, random_state=self._algorithm.random_state).get("X").copy()
+            drawn[: len(start)] = start
+            initial.sampling = drawn
 
     @property
     def terminated(self) -> bool:

@@ -14,7 +14,7 @@ from footopt.walk.accuracy import AnyAccuracy
 from footopt.walk.objectives import relative_change
 
 MOST = 20_000  # soles of a neighbourhood: of a larger space only nearer ones are evaluated
-SAFETY = 2.0  # times the largest change of a finalist between accuracies: closer designs are evaluated finely
+SAFETY = 2.0  # times the largest change between accuracies that was seen: closer designs are evaluated finely
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Certificate:
     walks: int  # of these, the ones that the search had not evaluated
     finely: int  # soles so near in value that they were evaluated at the finer accuracy, too
     accuracy: str  # name of that one, at which neighbours are compared with the design
-    margin: float  # how near, relative: SAFETY times the largest change of a finalist between accuracies
+    margin: float  # how near, relative: SAFETY times the largest change, of finalists and of these soles
     steps: int  # how often a better neighbour took the place of what the search had found
     holds: bool  # whether no neighbour is better; otherwise they were not all evaluated
 
@@ -78,9 +78,10 @@ def certified(
 ) -> tuple[SearchResult, Confirmation, Certificate]:
     """Confirm a search of one objective, and evaluate every neighbour of the design that comes out of it.
 
-    Neighbours are evaluated at the accuracy of the search. Those that could be better at the finer one, by
-    how finalists change from one to the other, are evaluated at that, too. One that is better takes the
-    design's place, and its neighbours are evaluated, until none is.
+    Neighbours are evaluated at the accuracy of the search. Those that could be better at the finer one are
+    evaluated at that, too, by how finalists change from one to the other; and more of them where the
+    neighbours change by more. One that is better takes the design's place, and its neighbours are evaluated,
+    until none is.
 
     Parameters
     ----------
@@ -107,17 +108,20 @@ def certified(
         inside = near[space.inside(near)]
         new = {k.tobytes() for k in inside} - searched
         affordable = len(fresh | new) <= most
-        close = inside[:0]
+        finer = np.full(len(inside), np.inf)
+        walked = np.zeros(len(inside), bool)
         if affordable and len(inside):
             fresh |= new
+            f = _judged(problem, inside, *evaluator(inside))
             least = problem.minimised(result.values[confirmed.designs[:1]])[0, 0]
-            close = inside[_judged(problem, inside, *evaluator(inside)) <= least + margin * abs(least)]
-        if len(close):
-            f = _judged(problem, close, *problem.at(accuracy).walk(close))
-        if not len(close) or f.min() >= problem.minimised(confirmed.values[:1])[0, 0]:
+            while (close := (f <= least + margin * abs(least)) & ~walked).any():
+                finer[close] = _judged(problem, inside[close], *problem.at(accuracy).walk(inside[close]))
+                walked |= close
+                margin = max(margin, SAFETY * _largest(f[close], finer[close]))
+        if finer.min(initial=np.inf) >= problem.minimised(confirmed.values[:1])[0, 0]:
             break
         steps += 1
-        best = close[[f.argmin()]]
+        best = inside[[finer.argmin()]]
         values, reasons = evaluator(best)
         result = joined(result, best, values, reasons)
         ranks = problem.ranked(result.values[result.feasible])
@@ -128,7 +132,7 @@ def certified(
         soles=len(near),
         inside=len(inside),
         walks=len(fresh),
-        finely=len(close),
+        finely=int(walked.sum()),
         accuracy=accuracy.name,
         margin=margin,
         steps=steps,
@@ -147,7 +151,12 @@ def _change(result: SearchResult, confirmed: Confirmation) -> float:
     """The largest relative change of a good finalist's objective between the two accuracies."""
     column = result.problem.record.index(result.problem.ranking_objective)
     before = result.values[confirmed.designs[confirmed.good], column]
-    change = np.abs(relative_change(confirmed.values[confirmed.good, column], before))
+    return _largest(before, confirmed.values[confirmed.good, column])
+
+
+def _largest(before: Array, after: Array) -> float:
+    """The largest relative change of values, of those that are finite."""
+    change = np.abs(relative_change(after, before))
     return float(change.max(initial=0.0, where=np.isfinite(change)))
 
 

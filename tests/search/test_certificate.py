@@ -69,6 +69,40 @@ def test_the_certified_design_is_the_best_of_its_neighbourhood_by_both_accuracie
     assert result.feasible[confirmed.designs].all()
 
 
+class Formula(fo.FootProblem):
+    """Walks that are numbers drawn for each sole, which change by up to 2 % at a finer accuracy."""
+
+    def walk(self, k):
+        values, place = np.ones((len(k), len(self.record))), (k - 1) @ 4 ** np.arange(5)
+        draw = np.random.default_rng(1)
+        drawn, change = draw.uniform(1e-4, 1.1e-4, 4**5), draw.uniform(-0.02, 0.02, 4**5)
+        steady = drawn.argsort()[-10:]  # the best of all do not change
+        change[steady] = 0.0
+        factor = 1.0 + change * (self.accuracy == FINER)
+        values[:, self.record.index("efficiency")] = -(drawn * factor)[place]
+        return values, np.full(len(k), "")
+
+
+@pytest.mark.parametrize("finalists", [1, 5])
+@pytest.mark.parametrize("seed", range(1, 6))
+def test_neighbours_that_change_more_than_finalists_are_compared_finely_too(finalists, seed):
+    """And a better one is taken, however far behind it was at the accuracy of the search."""
+    p = problem(kind=Formula)
+    first = search(p, "ga", pop_size=4, n_gen=1, seed=seed)
+    result, confirmed, certificate = certified(first, FINER, finalists, Evaluator(p))
+    k = result.k[confirmed.designs[0]]
+    around = near(k, SMALL)
+    around = around[SMALL.inside(around)]
+    coarse, fine = (q.minimised(q.walk(np.array([k, *around]))[0])[:, 0] for q in (p, p.at(FINER)))
+    judged = coarse <= coarse[0] + certificate.margin * abs(coarse[0])
+    changes = np.abs(fine / coarse - 1.0)[judged]
+    assert certificate.margin >= 2.0 * changes[1:].max(initial=0.0) > 0.0
+    assert certificate.finely == judged.sum() - 1
+    assert fine[0] == fine[judged].min()
+    assert certificate.holds
+    assert certificate.steps == len(result.k) - len(first.k)
+
+
 def test_walks_are_counted_kept_and_read_again(poor, found, tmp_path):
     with Store(tmp_path / "s.sqlite", poor.problem) as store:
         result, _, certificate = certified(poor, FINER, 5, Evaluator(poor.problem, store))

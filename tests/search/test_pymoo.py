@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from pymoo.algorithms.moo.nsga2 import NSGA2
 from pymoo.algorithms.soo.nonconvex.ga import GA
+from pymoo.core.evaluator import Evaluator
 from pymoo.core.mixed import MixedVariableGA
 from pymoo.core.population import Population
 from pymoo.core.problem import Problem
@@ -17,6 +18,7 @@ from pymoo.util.ref_dirs import get_reference_directions
 from searching import SMALL, assert_same, problem
 
 from footopt.design import search
+from footopt.design.solvers import WALKS
 from footopt.design.solvers.memetic import Archive, Memetic
 from footopt.errors import SettingError
 
@@ -214,3 +216,18 @@ class TestAsInPymoo:
             r = minimize(Sphere(n_obj), kind(sampling=sampling), ("n_gen", 1), seed=1)
             assert r.pop.get("X").tolist() == [[7] * 6]
         assert r.algorithm.evaluator.n_eval == 1  # none is asked for twice
+
+    def test_an_evaluated_population_is_not_evaluated_again(self, kind, n_obj):
+        p, given = Sphere(n_obj), Population.new(X=np.arange(18).reshape(3, 6) % 8 + 1)
+        Evaluator().eval(p, given)
+        r = minimize(p, kind(sampling=given), ("n_gen", 1), seed=1)
+        assert r.algorithm.evaluator.n_eval == 0
+        assert {tuple(x) for x in r.opt.get("X")} <= {tuple(x) for x in given.get("X")}
+        assert given.get("n_gen").tolist() == [None] * 3  # the user's own are left alone
+
+    def test_its_own_end_is_a_number_of_evaluations(self, kind, n_obj):
+        """pymoo's tolerances would end it before its first restart."""
+        algorithm = kind().setup(Sphere(n_obj), seed=1)
+        assert algorithm.termination.n_max_evals == WALKS
+        ends = get_termination("n_gen", 3)
+        assert kind(termination=ends).setup(Sphere(n_obj)).termination is ends

@@ -1,5 +1,6 @@
 """The default solvers: the fewest walks by moves that suit a spline, descents, and restarts."""
 
+from copy import deepcopy
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from footopt.design.fronts import nondominated, ranks
 from footopt.design.known import Known
 from footopt.design.solvers.model import RankModel
 from footopt.design.solvers.moves import IDLE, RandomInside, allowed, exchanged, shifted, shifts
-from footopt.design.solvers.registry import grown
+from footopt.design.solvers.registry import WALKS, grown
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -44,7 +45,7 @@ class Moves(Algorithm):
     """
 
     def __init__(self, pop_size: int | None = None, sampling: Any = None, **kwargs: Any) -> None:
-        super().__init__(**kwargs)
+        super().__init__(**{"termination": ("n_eval", WALKS), **kwargs})  # pymoo's tolerances know no restart
         self.pop_size = pop_size
         self.initialization = Initialization(RandomInside() if sampling is None else sampling)
         self.proposed = Known()
@@ -65,9 +66,11 @@ class Moves(Algorithm):
     def _initialize_infill(self) -> Any:
         drawn = self.initialization.do(self.problem, self._size(), random_state=self.random_state)
         X = np.round(drawn.get("X").astype(float)).astype(np.int64)
-        X = X[self.proposed.fresh(X)]
-        self.proposed.add(X)  # outside its box, too, if a user begins with it
-        return Population.new(X=X)
+        fresh = self.proposed.fresh(X)
+        self.proposed.add(X[fresh])  # outside its box, too, if a user begins with it
+        begun = deepcopy(drawn[fresh])  # a user's own, which may have been evaluated
+        begun.set("X", X[fresh])
+        return begun
 
     def _infill(self) -> Any:
         found = self._found(self._size())
