@@ -38,6 +38,7 @@ numpydoc_show_class_members = False
 EVIDENCE = (
     "accuracy",
     "search",
+    "print",
     "fronts",
     "rest",
     "gaits",
