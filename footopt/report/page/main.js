@@ -24,7 +24,8 @@ function change(value, base, column) {
 }
 
 /** A design's value of each column, the finest there is. */
-const valueOf = (i, c) => (i === data.best && data.bestValues ? data.bestValues[c] : values[i * WIDTH + c]);
+const fineOf = (i) => (i === data.best ? data.bestValues : i === data.printed ? data.printedValues : null);
+const valueOf = (i, c) => fineOf(i)?.[c] ?? values[i * WIDTH + c];
 
 /** Relative changes of a design against the flat foot under other sand laws: as the run found them, or as this page does. */
 function underLaws(i, name) {
@@ -130,7 +131,7 @@ function designSection() {
     drawing.replaceChildren(soleDrawing(points, { width: widthOf(drawing), k, top: own("top", chosen), colour: data.runs ? COLOURS[chosen % COLOURS.length] : colourOf(chosen),
       ghost: same ? null : flat?.points }));
     if (focus) drawing.querySelector(`[data-waypoint="${focus}"]`)?.focus({ preventScroll: true });
-    const finer = best && data.bestValues, accuracy = data.runs ? "" : `Evaluated at accuracy ${(finer ? entry.accuracy : entry.search_accuracy ?? entry.accuracy)?.name}. `;
+    const finer = fineOf(chosen), accuracy = data.runs ? "" : `Evaluated at accuracy ${(finer ? entry.accuracy : entry.search_accuracy ?? entry.accuracy)?.name}. `;
     const compared = entry.flat && feasible[chosen] && !flat?.reason && !same;
     exact.hidden = !compared;
     numbers.replaceChildren(...(compared

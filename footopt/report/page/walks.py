@@ -74,10 +74,13 @@ def search_content(
     problem, chosen, several = result.problem, int(confirmed.designs[0]), result.problem.n_obj > 1
     exact = result.solver.name == EXHAUSTIVE
     search, few, printed = describe_search(result), describe_few(result.designs, exact), []
+    finely: list[float] | None = None
     if entry.get("to_print"):
         k = np.array([entry["to_print"]["k"]])
         result = joined(result, k, *problem.walk(k))
         printed = np.flatnonzero((result.k == k).all(axis=1)).tolist()
+        change = entry["to_print"]["laws"][0]["change"]  # at the finer accuracy
+        finely = [entry["flat"][name] * (1.0 + change[name]) for name in problem.record]
     others = np.setdiff1d(np.arange(result.designs), result.shown)
     room = min(SHOWN - len(result.shown), len(others))
     even = others[np.linspace(0, len(others) - 1, room).astype(int)]
@@ -112,6 +115,7 @@ def search_content(
         "top": problem.space.top,
         "best": int(np.searchsorted(rows, chosen)),
         "bestValues": confirmed.values[0],
+        "printedValues": finely,
         "printed": int(np.searchsorted(rows, printed[0])) if printed else None,
         "front": packed(np.searchsorted(rows, result.shown if several else [])),
         "walks": [_traces(best, "best", int(np.searchsorted(rows, chosen))), _traces(flat, "flat")],
