@@ -24,6 +24,7 @@ from footopt.walk.objectives import MEASURES, relative_change
 from footopt.walk.simulate import evaluate
 
 FIRST = 10  # soles that a search begins with, and the best of one that are kept
+EVEN = 30  # designs of a generation: such a search begins near its end, and small ones take longer
 LEAST = 20  # evaluations of a search under a law
 REACH, STEPS = 32.0, 20  # factor by which zeta is moved either way until the order of two feet turns; steps
 
@@ -151,10 +152,10 @@ def compare(problem: FootProblem, laws: tuple[Scenario, ...], feet: Ints) -> Und
 def candidates(result: SearchResult, laws: tuple[Scenario, ...], share: float, **options: Any) -> Ints:
     """Soles (soles, n) that should lose little under every law, found from a search under the scene's own.
 
-    Each law in turn is searched with `share` of the search's evaluations, from the best soles of the laws
-    before it and from finalists; then, from the best sole of each law, a `RobustProblem` with three times as
-    many. They walk no finer than `draft`: what is found is to be evaluated again. A law under which no foot
-    walks is left out.
+    Each other law in turn is searched with `share` of the search's evaluations, from the best soles of
+    the laws before it and from finalists; then, from the best sole of each law, a `RobustProblem` with three
+    times as many. They walk no finer than `draft`: what is found is to be evaluated again. A law under which
+    no foot walks is left out.
 
     Parameters
     ----------
@@ -180,7 +181,8 @@ def candidates(result: SearchResult, laws: tuple[Scenario, ...], share: float, *
 
     def searched(p: FootProblem, begin: Ints, walks: int) -> SearchResult:
         different = list(dict.fromkeys(map(tuple, begin.tolist())))[:FIRST]
-        done = search(p, Solver(walks=walks, seed=result.solver.seed), start=different, **options)
+        solver = Solver(walks=walks, pop_size=min(EVEN, walks), seed=result.solver.seed)
+        done = search(p, solver, start=different, **options)
         if done.interrupted:
             raise KeyboardInterrupt("while searching the foot to print")
         return done
@@ -188,7 +190,8 @@ def candidates(result: SearchResult, laws: tuple[Scenario, ...], share: float, *
     for law in laws:
         with suppress(FootoptError):  # no foot walks
             alone = FootProblem(law.scene, problem.names, **common, limits=problem.limits)
-            best = searched(alone, np.concatenate([*found[:0:-1], start]), walks)
+            own = law.scene == problem.scene  # which has been searched: its finalists will do
+            best = searched(alone, np.concatenate([*found[:0:-1], start]), len(start) if own else walks)
             walked.append(law)
             references.append(best.column(problem.ranking_objective)[best.best])
             found.append(best.k[[best.best]])
@@ -197,7 +200,7 @@ def candidates(result: SearchResult, laws: tuple[Scenario, ...], share: float, *
         together = RobustProblem(walked, problem.names, **common, references=references, limits=limits)
         with suppress(FootoptError):  # none walks under all of them
             found.append(_best(searched(together, np.concatenate(found[1:]), 3 * walks)))
-    return np.unique(np.concatenate(found), axis=0)
+    return np.unique(np.concatenate(found[1:] or found), axis=0)
 
 
 def _best(result: SearchResult) -> Ints:
