@@ -19,7 +19,7 @@ from footopt.design import (
 )
 from footopt.design.certificate import Certificate, certified
 from footopt.design.fronts import excess
-from footopt.errors import SettingError
+from footopt.errors import SettingError, check
 from footopt.files import io as files
 from footopt.files.feet import write_all
 from footopt.foot import Foot, Waypoints
@@ -42,6 +42,8 @@ def run(study: Study) -> Any:
     """Search, then walk with the best foot and leave everything about it; returns its values."""
     config, options = study.config, study.options
     check_film(study)
+    share = options.laws
+    check(share is None or 0.0 < share <= 1.0, "study.laws", share, "null, or a share > 0 and <= 1")
     solver = study.solver()
     scene, chosen = choose_effects(study)
     problem = make_problem(config, scene)

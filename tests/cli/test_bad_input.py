@@ -48,6 +48,7 @@ COMMANDS = {
     # values that the library refuses
     "sand.zeta=0": "sand.zeta = 0",
     "study.confirm=fien": "study.confirm = 'fien'",
+    "study.laws=-1": "study.laws = -1",
     "report=some": "report = 'some'",
     "study=simulate foot.k=[1,2,3]": "foot.k = [1, 2, 3]",
     "study=validate study.cases=[Wheel]": "study.cases = 'Wheel'",
