@@ -304,7 +304,7 @@ CHANGEABLE = (
 
 def structured(settings: Mapping[str, Any]) -> Any:
     """Settings with their types, as OmegaConf has them: other names and kinds are refused."""
-    kind, _ = STUDIES.get(settings["study"]["name"], (StudySettings, None))
+    kind, _ = STUDIES.get(str(settings["study"]["name"]), (StudySettings, None))
     return OmegaConf.merge(OmegaConf.structured(Config(study=kind())), settings)
 
 

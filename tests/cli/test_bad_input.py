@@ -211,11 +211,3 @@ def test_the_library_names_the_setting_of_a_value_that_cannot_be(row):
     with pytest.raises(SettingError, match=rf"^{re.escape(setting)} = ") as caught:
         call()
     assert caught.value.setting == setting
-
-
-def test_a_search_in_which_no_foot_can_walk_says_so_and_nothing_else(tmp_path):
-    words = ["sand.zeta=0.01", "walker.mass=120", "foot.n=7", "solver.walks=30", "report=none"]
-    done = footopt(*words, cwd=tmp_path)
-    assert done.returncode == 1
-    assert done.stderr.count("\n") == 1
-    assert done.stderr.startswith("footopt: error: No feasible design among 30: 30 sunk.")

@@ -10,7 +10,6 @@ from running import QUICK, footopt, only_folder
 from study_pages import check_page
 
 import footopt as fo
-from footopt.errors import SettingError
 from footopt.studies.runs import foot_of
 from footopt.walk import PRESETS, STEPPERS
 
@@ -72,17 +71,6 @@ class TestOptimize:
         np.testing.assert_allclose(contour, 1e3 * fo.Foot.from_waypoints(found["k"]).contour, atol=1e-6)
         assert {path.suffix for path in folder.glob("to_print.*")} >= {".csv", ".dxf", ".svg", ".stl"}
 
-    def test_designs_csv_holds_every_design(self, run_ga):
-        with open(run_ga[1] / "designs.csv", newline="") as file:
-            rows = list(csv.DictReader(file))
-        result = json.loads((run_ga[1] / "result.json").read_text())
-        assert len(rows) == result["designs"]
-        k = [[int(r[f"k{i + 1}"]) for i in range(11)] for r in rows]
-        row = rows[k.index(result["design"]["k"])]
-        table = fo.evaluate([result["design"]["k"]], fo.Scene(), "draft")
-        assert [float(row[n]) for n in table.names] == table.values[0].tolist()
-        assert {r["reason"] for r in rows} <= {"", "box"}
-
 
 @pytest.fixture(scope="module")
 def elsewhere(tmp_path_factory):
@@ -103,15 +91,6 @@ class TestSimulateARun:
         done = footopt("study=simulate", f"run={elsewhere}", "report=none", *words, cwd=cwd)
         assert done.returncode == 0, done.stderr
         return json.loads((only_folder(cwd) / "result.json").read_text())
-
-    def test_as_it_is_has_the_numbers_of_the_run(self, elsewhere, tmp_path):
-        before = json.loads((elsewhere / "result.json").read_text())
-        result = self.simulated(elsewhere, cwd=tmp_path)
-        assert result["design"] == before["design"]
-        assert {n: result["objectives"][n] for n in before["objectives"]} == before["objectives"]
-        run = fo.load(only_folder(tmp_path))  # which is not one of the default space
-        assert (run.foot.k, run.foot.width) == (tuple(before["design"]["k"]), 0.08)
-        assert {n: run.walk().objectives[n] for n in run.best} == run.best
 
     def test_elsewhere_only_what_is_given_is_another(self, elsewhere, tmp_path):
         result = self.simulated(elsewhere, "sand=hard", "walker.g=3", cwd=tmp_path)
@@ -151,10 +130,3 @@ def test_a_walk_that_sinks_is_a_result_with_a_reason(tmp_path):
     result = json.loads((only_folder(tmp_path) / "result.json").read_text())
     assert (result["feasible"], result["reason"]) == (False, "sunk")
     assert result["objectives"]["peak_power"] is None
-
-
-def test_a_traceback_on_request(tmp_path, monkeypatch):
-    """HYDRA_FULL_ERROR=1 lets the error go on to Python, which prints where it was."""
-    monkeypatch.setattr("footopt.cli.main._wants_traceback", True)
-    with pytest.raises(SettingError, match=r"sand\.zeta = 0"):
-        footopt("sand.zeta=0", cwd=tmp_path)

@@ -179,16 +179,3 @@ def test_optuna_finds_the_widest_foot_to_go_farthest(tmp_path):
     assert len(values) == 6
     assert found["best_value"] == max(values.values())
     assert found["best_params"]["foot.width"] == max(values, key=values.get)
-
-
-@pytest.mark.slow
-def test_the_table_shows_what_was_sought_and_names_the_best_job(tmp_path):
-    words = ["accuracy=draft", "report=none", "foot.n=5", "solver.walks=30", "study.confirm=null"]
-    done = footopt("-m", *words, "sand=soft,hard", "hydra.sweep.dir=sweep", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    results = [result_of(tmp_path / "sweep" / job) for job in "01"]
-    gains = [r["objectives"]["efficiency"] / r["flat"]["efficiency"] for r in results]
-    best = ["0: sand=soft", "1: sand=hard"][gains.index(max(gains))]
-    table = done.stdout.rpartition("run and settings")[2]
-    assert all(f"{gain:.4g}" in table for gain in gains)
-    assert f"{max(gains):.4g}, {best}" in table

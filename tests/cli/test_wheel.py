@@ -3,10 +3,8 @@
 import os
 import subprocess
 import sys
-import sysconfig
-import venv
 import zipfile
-from importlib.metadata import distribution
+from importlib.metadata import Distribution, distribution
 from pathlib import Path
 
 import pytest
@@ -27,43 +25,40 @@ def needed(requirements, found):
 
 @pytest.mark.slow
 def test_a_wheel_with_nothing_but_what_it_asks_for_is_imported_and_composes(tmp_path):
-    """In a new environment; what is installed here is linked into it, not installed again."""
-    pip, quiet = [sys.executable, "-m", "pip"], ["--quiet", "--no-deps", "--no-index"]
-    build = [*pip, "wheel", *quiet, "--no-build-isolation", "--wheel-dir", tmp_path / "dist", ROOT]
+    """Beside links to what it asks for, without the packages that are installed here."""
+    build = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--no-index"]
+    build += ["--no-build-isolation", "--wheel-dir", tmp_path, ROOT]
     subprocess.run(build, check=True, capture_output=True, timeout=LIMIT)
-    (wheel,) = (tmp_path / "dist").glob("*.whl")
-    names = zipfile.ZipFile(wheel).namelist()
-    assert "footopt/conf/config.yaml" in names
-    assert "footopt/gait/data/human_walk.json" in names
-    assert "footopt/report/page/template.html" in names
-    assert "footopt/studies/paper/claims.toml" in names
-    assert "footopt/py.typed" in names
+    site = tmp_path / "site"
+    (wheel,) = tmp_path.glob("*.whl")
+    with zipfile.ZipFile(wheel) as content:
+        names = content.namelist()
+        content.extractall(site)
+    assert {"footopt/conf/config.yaml", "footopt/gait/data/human_walk.json", "footopt/py.typed"} < {*names}
+    assert {"footopt/report/page/template.html", "footopt/studies/paper/claims.toml"} < {*names}
     assert not [n for n in names if n.startswith(("tests/", "conf/", "outputs/"))]
 
-    venv.create(tmp_path / "env")
-    place = {"base": str(tmp_path / "env"), "platbase": str(tmp_path / "env")}
-    site, programs = (Path(sysconfig.get_path(name, vars=place)) for name in ("purelib", "scripts"))
-    install = [*pip, "--python", programs / "python", "install", "--no-compile", *quiet, wheel]
-    subprocess.run(install, check=True, capture_output=True, timeout=LIMIT)
-    (metadata,) = site.glob("footopt-*.dist-info/METADATA")
-    lines = metadata.read_text(encoding="utf-8").partition("\n\n")[0].splitlines()
-    asked = [line.removeprefix("Requires-Dist: ") for line in lines if line.startswith("Requires-Dist: ")]
-    for name in needed([line for line in asked if "extra ==" not in line], set()):
+    (metadata,) = site.glob("footopt-*.dist-info")
+    for name in needed(Distribution.at(metadata).requires, set()):
         library = distribution(name)
         for top in {file.parts[0] for file in library.files} - {"..", "__pycache__"}:
             if not (site / top).exists():  # a namespace of several
                 (site / top).symlink_to(library.locate_file(top))
-    (tmp_path / "conf").mkdir()
     own = "defaults: [config]\nsolver: {n_gen: 2}\nhydra: {searchpath: ['pkg://footopt.conf']}\n"
-    (tmp_path / "conf" / "mine.yaml").write_text(own)
-    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
-    options = {"cwd": tmp_path, "env": environment, "capture_output": True, "text": True, "timeout": LIMIT}
-    job = [programs / "footopt", "-cp", tmp_path / "conf", "-cn", "mine", "--cfg", "job"]
-    done = subprocess.run(job, **options)
-    assert done.returncode == 0, done.stderr
-    assert "n_gen: 2" in done.stdout
+    (tmp_path / "mine.yaml").write_text(own)
     modules = [name for name in names if name.endswith(".py") and not name.endswith("__main__.py")]
     every = [name.removesuffix(".py").removesuffix("/__init__").replace("/", ".") for name in modules]
-    code = f"import importlib; [importlib.import_module(n) for n in {every}]"
-    done = subprocess.run([programs / "python", "-c", code], **options)
-    assert done.returncode == 0, done.stderr
+    for command, said in (
+        (["-m", "footopt", "-cp", str(tmp_path), "-cn", "mine", "--cfg", "job"], "n_gen: 2"),
+        (["-c", f"import importlib; [importlib.import_module(n) for n in {every}]"], ""),
+    ):
+        done = subprocess.run(
+            [sys.executable, "-S", *command],
+            cwd=tmp_path,
+            env=os.environ | {"PYTHONPATH": str(site)},
+            capture_output=True,
+            text=True,
+            timeout=LIMIT,
+        )
+        assert done.returncode == 0, done.stderr
+        assert said in done.stdout

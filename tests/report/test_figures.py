@@ -8,8 +8,6 @@ import pytest
 
 import footopt as fo
 from footopt.report import figures
-from footopt.report.numbers import percent
-from footopt.report.summary import Row, fronts
 from footopt.walk.objectives import FIVE
 
 HOLLOW = (5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4)
@@ -152,17 +150,6 @@ def test_a_contour_shows_sole_waypoints_box_and_hollow_in_mm(foot):
 # --- a search -------------------------------------------------------------------------------------
 
 
-def test_convergence_plots_best_and_median_against_evaluations():
-    best, median = figures.convergence(HISTORY, "work (J)").axes[0].get_lines()
-    np.testing.assert_array_equal(best.get_ydata(), [np.nan, -2.0, -2.5, -4.0])
-    np.testing.assert_array_equal(median.get_xdata(), [10, 20, 30, 40])
-    assert best.get_linestyle() != median.get_linestyle()
-    for history in ([], HISTORY[:1]):
-        (axes,) = figures.convergence(history, "$J_W$").axes
-        assert axes.texts  # no feasible design
-        assert not axes.lines
-
-
 # --- walks ----------------------------------------------------------------------------------------
 
 TRACES = {
@@ -210,23 +197,3 @@ def test_a_scatter_matrix_shows_each_pair_once_and_what_stands_out(table):
 
 
 # --- studies --------------------------------------------------------------------------------------
-
-
-def test_fronts_of_seeds_share_a_colour_and_say_their_hypervolume(tmp_path):
-    names, least = ["distance", "work"], [[1.0, 3.0], [2.0, 4.0]]
-    values = {("ga", 1): least, ("ga", 2): least, ("de", 1): [[1.0, 4.0], [2.0, 5.0]]}
-    results = [
-        {"objective_names": names, "front_columns": names, "front_values": front}
-        | {"maximise": {"distance": True, "work": False}}
-        for front in values.values()
-    ]
-    settings = [{"solver.name": name, "solver.seed": seed} for name, seed in values]
-    words = [(f"solver={name}", f"solver.seed={seed}") for name, seed in values]
-    runs = [Row(tmp_path, *row) for row in zip(words, settings, results, strict=True)]
-    ((rows, shares, figure),) = fronts(runs)
-    assert (rows, shares[:2]) == ([0, 1, 2], [1.0, 1.0])
-    points = figure.axes[0].get_lines()[0]
-    np.testing.assert_array_equal(points.get_xydata(), least * 2)
-    assert {"solver=ga: 2 seeds, hypervolume 100 %", f"solver=de: hypervolume {percent(shares[2])}"} <= set(
-        texts(figure)
-    )

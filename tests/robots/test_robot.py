@@ -73,16 +73,6 @@ class TestTheRobot:
             np.testing.assert_allclose(turn @ np.diag(model.body_inertia[row]) @ turn.T, whole, atol=1e-12)
 
     @pytest.mark.slow
-    def test_density_is_carried(self, biped):
-        lead = replace(biped, controller=hold, duration=1.0, after=0.0, density=11_000.0)
-        foot = fo.Foot.flat()
-        walk = fo.simulate(foot, lead, fo.Accuracy(dt=2e-3))
-        more = 2.0 * (11_000.0 * 0.26 * 0.03 * foot.width - biped.model.compiled.body("left_foot").mass[0])
-        load = walk.force[200:, :, 1].sum(axis=1).mean()
-        assert load == pytest.approx(biped.weight + more * biped.g, rel=0.01)
-        assert walk.totals["weight"] == pytest.approx(biped.weight + more * biped.g, rel=1e-9)
-
-    @pytest.mark.slow
     def test_plates_add_up_to_the_forces_of_the_trace(self, biped):
         walk = fo.simulate(fo.Foot.from_waypoints(SOLES[0], SPACE), biped, fo.Accuracy(dt=2e-3))
         index = np.flatnonzero(walk.force[:, 0, 1] > 100.0)[::25]
@@ -171,11 +161,6 @@ class TestTheRobot:
         names = ("distance", "work", "joint_work")
         one, two = (fo.evaluate(SOLES[:1], r, COARSE, names, SPACE).values for r in (biped, other))
         np.testing.assert_allclose(two, one, rtol=1e-3)
-
-    def test_of_another_sand_is_the_same_model(self, biped):
-        soft = replace(biped, sand=fo.Sand.named("soft"))
-        assert soft.model is biped.model
-        assert soft != biped
 
     @pytest.mark.slow
     def test_shorter_steps_are_no_faster_control(self, biped):

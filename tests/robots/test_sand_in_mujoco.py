@@ -148,18 +148,6 @@ def test_stiffness_is_the_derivative_of_the_wrench(block):
         assert stiffness == pytest.approx(np.stack(slopes, axis=1), abs=2e-4 * abs(stiffness).max())
 
 
-def test_a_forward_pass_changes_nothing(block):
-    ends = []
-    for extra in (0, 3):
-        model, data, _ = block()
-        for _ in range(200):
-            mujoco.mj_step(model, data)
-            for _ in range(extra):
-                mujoco.mj_forward(model, data)
-        ends.append((*data.qpos, *data.qvel))
-    assert ends[0] == pytest.approx(ends[1], rel=1e-12, abs=1e-15)
-
-
 @pytest.mark.parametrize(
     ("arguments", "what"),
     [
@@ -337,27 +325,3 @@ def test_an_attitude_turns_the_motion_with_it(block):
         ends.append((c * x + s * y, c * y - s * x, data.qpos[2]))
     assert ends[0] == pytest.approx(ends[1], abs=1e-9)
     assert abs(ends[0][1]) > 1e-3
-
-
-@pytest.mark.slow
-def test_each_data_has_its_own_sand_and_others_none(block):
-    model, data, contact = block()
-    soft_model, soft_data, soft = block(fo.Sand(0.2), effects=SOME)
-    for one, state in ((model, data), (soft_model, soft_data)):
-        settle(one, state, 1.0)
-    assert 0.0 < contact.depth["foot"] < soft.depth["foot"]
-    soft.detach()
-    with pytest.raises(mujoco.FatalError, match="fell through"):
-        settle(soft_model, soft_data, 0.5)
-    settle(model, data, 0.5)
-    assert data.qpos[2] > -0.05
-    contact.detach()
-    settle(model, data, 0.5)
-    assert data.qpos[2] < -0.5
-
-
-def test_density_and_friction_give_the_material_constant():
-    quartz = Grains(1550.0, np.tan(np.radians(34.0)))
-    assert quartz.sand.zeta == pytest.approx(2.11, abs=0.005)  # 2.02 was measured
-    with pytest.raises(SettingError, match=r"grains\.friction"):
-        Grains(friction=0.0)

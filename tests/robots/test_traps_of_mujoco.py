@@ -168,17 +168,6 @@ def test_a_step_that_is_asked_for_again_gets_the_same_force(block):
         assert forces[0][2] > 100.0
 
 
-def test_what_is_changed_after_attaching_is_seen_by_the_restarts(block):
-    model, data, contact = block(height=0.03)
-    settle(model, data, 0.1)
-    assert contact.counts["restarts"] == 1
-    model.opt.timestep *= 2.0
-    again = attach(model, data, {"foot": fo.Foot.flat()}, HARD)
-    settle(model, data, 0.1)
-    assert again.counts["restarts"] == 1
-    again.detach()
-
-
 def test_rollouts_meet_sand_where_their_data_are_attached(request):
     model = shared.block_model(height=0.03, dt=2e-3)
     pool = [mujoco.MjData(model) for _ in range(2)]

@@ -10,9 +10,6 @@ from searching import SMALL, objective_of, problem
 
 import footopt as fo
 from footopt.design import SINGLE, Solver, search
-from footopt.design.solvers.operators import (
-    SameHeights,
-)
 from footopt.errors import FootoptError, SettingError
 
 #: Digests of the soles that a search asks for: pop_size=12, n_gen=4, seed=1, n=7, K=10.
@@ -140,18 +137,6 @@ class TestSearch:
         r = search(problem("distance"), "ga", pop_size=10, n_gen=4, seed=1)
         assert r.column("distance")[r.best] == r.column("distance")[r.feasible].max()
         assert r.history[-1].best == r.column("distance")[r.best]
-
-
-def test_duplicates_are_those_that_pymoo_finds():
-    from pymoo.core.duplicate import DefaultDuplicateElimination
-    from pymoo.core.population import Population
-
-    rng = np.random.default_rng(1)
-    for _ in range(20):
-        new, old = (Population.new("X", rng.integers(1, 3, (12, 3))) for _ in range(2))
-        for others in ((), (old,)):
-            ours = SameHeights().do(new, *others).get("X")
-            np.testing.assert_array_equal(ours, DefaultDuplicateElimination().do(new, *others).get("X"))
 
 
 def test_a_budget_changes_that_of_a_solver():

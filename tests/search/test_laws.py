@@ -6,8 +6,6 @@ from searching import QUICK, SMALL
 
 import footopt as fo
 from footopt.design.laws import better_zetas, candidates, compare, possible_laws
-from footopt.report import terminal
-from footopt.walk import OBJECTIVES
 
 LAWS = possible_laws(fo.Scene(), 0.3)
 FLAT = np.full(SMALL.n, SMALL.K)
@@ -91,16 +89,3 @@ def test_the_zeta_from_which_a_foot_is_better_than_the_flat_one_is_where_both_ar
         ]
         assert (values[0] < values[1]) == better
     assert better_zetas(problem, flat, foot) is None
-
-
-def test_a_change_is_told_with_its_range_under_other_laws_and_whether_its_sign_is_certain():
-    flat = dict.fromkeys(OBJECTIVES, 100.0) | {"efficiency": -1.0}
-    values = flat | {"efficiency": -2.0, "work": 110.0}
-    under = {name: [0.0, 0.0] for name in values} | {"efficiency": [0.5, 0.75], "work": [-0.02, 0.3, np.nan]}
-    assert terminal.headline("efficiency", -2.0, -1.0, under).startswith("J_W x 2.00")
-    assert "x 1.50 to 1.75 under 2 other laws" in terminal.headline("efficiency", -2.0, -1.0, under)
-    shown = terminal.gains_table(values, flat, under, "efficiency")
-    rows = [*zip(*(column.cells for column in shown.columns), strict=True)]
-    assert ("-2 to +30 %", "sign not certain") in [row[-2:] for row in rows]
-    assert "efficiency" not in [row[0] for row in rows]
-    assert terminal.doubtful(0.1, [0.2, 0.01]) == ""

@@ -9,7 +9,6 @@ from searching import QUICK, SMALL, problem
 
 import footopt as fo
 from footopt.design import Choice, confirm, search
-from footopt.errors import SettingError
 from footopt.walk.objectives import MEASURES, SLOW, measure
 from footopt.walk.validity import diagnose
 
@@ -101,19 +100,6 @@ class TestChoice:
     def test_efficiency_is_j_w_for_who_asks_for_it(self, found):
         row, p = self.chosen(found, Choice("efficiency"))
         assert row[p.record.index("efficiency")] == found.column("efficiency")[found.front].min()
-
-    @pytest.mark.parametrize(
-        ("given", "said"),
-        [
-            ({"by": "luck"}, "choose = 'luck': must be one of knee, weights"),
-            ({"by": "weights"}, "must be given with choose=weights"),
-        ],
-    )
-    def test_what_is_asked_wrongly_is_refused(self, given, said):
-        with pytest.raises(SettingError, match=said):
-            Choice(**given)
-        with pytest.raises(SettingError, match=r"choose\.weights = 'speed_loss': must be one of distance"):
-            fo.FootProblem(objective=["distance", "work"], choose=Choice("weights", {"speed_loss": 1.0}))
 
 
 class TestFronts:

@@ -5,7 +5,6 @@ import dataclasses
 import math
 import sqlite3
 import threading
-from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -16,7 +15,7 @@ from searching import QUICK, SMALL, assert_same, objective_of, problem, stop_aft
 import footopt as fo
 from footopt.design import Evaluation, Store, search
 from footopt.design import store as store_module
-from footopt.design.store import LAYOUT, context, digest, plain
+from footopt.design.store import LAYOUT, context, digest
 from footopt.errors import FileError
 
 
@@ -158,18 +157,6 @@ class TestStore:
             assert store.get([[1] * 5])[0].reason == ""
 
 
-class Curve(NamedTuple):
-    a: float
-    b: tuple
-
-
-@dataclasses.dataclass(frozen=True)
-class Crust:
-    depth: float
-    table: np.ndarray
-    curve: Curve | None = None
-
-
 OWN = """
 import footopt as fo
 
@@ -181,24 +168,6 @@ class Doubled(fo.FootProblem):
 
 
 class TestContext:
-    def test_frozen_data_of_any_kind_is_told_apart(self):
-        table, curve = np.arange(4.0).reshape(2, 2), Curve(1.0, (2.0,))
-        kinds = [
-            (),
-            (Crust(0.1, table),),
-            (Crust(0.2, table),),
-            (Crust(0.1, table.T),),
-            (Crust(0.1, table.astype(np.float32)),),
-            (Crust(0.1, table, curve),),
-            (Crust(0.1, table, curve._replace(b=())),),
-            (Crust(np.nextafter(0.1, 1.0), table),),
-            None,
-        ]
-        assert len({digest(plain(kind)) for kind in kinds}) == len(kinds)
-        assert plain(np.float64(0.1)) == 0.1
-        with pytest.raises(TypeError, match="function"):
-            plain({"law": plain})
-
     def test_all_that_changes_a_result_changes_the_context(self):
         scene, base = fo.Scene(sand=fo.Sand(5.0)), problem()
         replace = dataclasses.replace
@@ -224,21 +193,6 @@ class TestContext:
         assert len(digests) == 1 + len(changed)
         same = problem("work", space=replace(SMALL, box_tolerance=1.0))
         assert digest(context(same)) == digest(context(base))
-
-    @pytest.mark.parametrize(
-        ("what", "name"), [("_versions", "versions.numpy"), ("target", "machine.processor")]
-    )
-    def test_another_version_or_machine_is_not_reused_and_said(self, path, monkeypatch, what, name):
-        with Store(path, problem()) as store:
-            store.add([[1] * 5], [Evaluation(np.ones(6), "")])
-            assert store.describe() == f"1 designs of this search are known from {path}"
-        monkeypatch.setattr(store_module, what, lambda: {name.partition(".")[2]: "another"})
-        with Store(path, problem()) as store:
-            assert store.get([[1] * 5]) == [None]
-            said = store.describe()
-        assert "can be used again" in said
-        assert name in said
-        assert "another here" in said
 
     def test_a_changed_problem_of_ones_own_is_not_reused(self, path):
         def made(factor):

@@ -79,12 +79,6 @@ class TestWarnings:
         bent = calibrate(plates_in_sand(tmp_path / "t.csv", rng, 0.8, 1.34, repeats))
         assert "zeta of the tests above 16 mm is 0.7" in bent.warnings[0]
 
-    def test_one_repeat_says_nothing_of_others(self, tmp_path):
-        found = calibrate(plates_in_sand(tmp_path / "t.csv", np.random.default_rng(1), repeats=1))
-        assert found.spread is None
-        assert any("one repeat" in w for w in found.warnings)
-        assert 0.0 < found.zeta.low < found.zeta.value < found.zeta.high < np.inf
-
     def test_a_set_up_that_the_map_does_not_fit_is_named(self, tmp_path):
         path = plates_in_sand(tmp_path / "t.csv", np.random.default_rng(1), repeats=6, scatter=0.02,
                         set_ups=[(25.0, 0.0, 90.0), (25.0, 90.0, 0.0)])  # fmt: skip

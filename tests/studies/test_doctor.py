@@ -1,7 +1,6 @@
 """study=doctor holds a walk to the published numbers, as the README does."""
 
 import json
-import re
 from pathlib import Path
 
 import numpy as np
@@ -12,24 +11,13 @@ from footopt.errors import FootoptError
 from footopt.studies import Doctor, doctor
 from footopt.studies.runs import run_study
 from footopt.studies.settings import Config
-from footopt.walk.reference import LIMITS, PUBLISHED, RAMP
+from footopt.walk.reference import PUBLISHED, RAMP
 
 ROOT = Path(fo.__file__).parent.parent
 
 
 def examine(folder):
     run_study(Config(study=Doctor()), folder, {})
-
-
-def test_the_readme_says_what_the_walk_is_held_to():
-    lines = (ROOT / "README.md").read_text().splitlines()
-    for published in PUBLISHED:
-        (row,) = [line for line in lines if f"({published.sand}) |" in line]
-        zeta, *rest = re.findall(r"[\d.]+", row)
-        assert float(zeta) == published.zeta
-        assert tuple(map(float, rest[:5])) == published.objectives
-        for said, name in zip(rest[5:], ("standard", "reference"), strict=True):
-            assert float(said) / 100 <= LIMITS[name]
 
 
 def test_a_sound_installation_passes_with_the_measured_differences(tmp_path):

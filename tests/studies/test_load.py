@@ -33,20 +33,6 @@ def made(tmp_path_factory):
 
 class TestRun:
     @pytest.mark.slow
-    def test_does_what_the_command_line_does(self, made):
-        cwd, search, walk = made
-        assert search.folder.parent == cwd / "outputs" / "optimize"
-        assert walk.folder == cwd / "out" / "walk"
-        done = footopt(*WORDS, "hydra.run.dir=again", cwd=cwd)
-        assert done.returncode == 0, done.stderr
-        again = fo.load(cwd / "again")
-        assert again.settings == search.settings
-        assert again.overrides == search.overrides == tuple(WORDS)
-        assert again.best == search.best
-        assert (again.folder / "designs.csv").read_bytes() == (search.folder / "designs.csv").read_bytes()
-        shutil.rmtree(cwd / "again")
-
-    @pytest.mark.slow
     def test_goes_on_with_one(self, made, tmp_path, monkeypatch):
         unrender(monkeypatch)
         folder = shutil.copytree(made[1].folder, tmp_path / "run")

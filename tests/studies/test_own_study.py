@@ -8,8 +8,7 @@ from running import composed, unrender
 from study_pages import check_page
 
 from footopt import studies
-from footopt.report import figures
-from footopt.studies.runs import Study, run_study
+from footopt.studies.runs import run_study
 
 PLUGIN = """
 from dataclasses import dataclass
@@ -51,11 +50,3 @@ def test_it_is_found_by_its_name(tmp_path, capsys, monkeypatch):
     assert (result["study"], result["settings"]) == ("hollow", {"any": 1})
     said = capsys.readouterr().out
     assert said.index("It is hollow.") < said.index(f"Everything is in {tmp_path}")
-
-
-def test_a_run_leaves_its_figures_in_the_formats_that_its_report_wants(tmp_path, monkeypatch):
-    unrender(monkeypatch)
-    for report, endings in (("light", []), ("full", [".png"]), ("print", [".pdf", ".png"])):
-        study = Study(composed(f"report={report}"), tmp_path / report, {})
-        study.save("contour", figures.contour(study.foot))
-        assert sorted(path.suffix for path in study.folder.glob("figures/contour.*")) == endings

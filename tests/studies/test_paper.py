@@ -3,7 +3,6 @@
 import json
 import math
 import runpy
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -12,7 +11,6 @@ from running import unrender
 from study_pages import check_page
 
 import footopt as fo
-from footopt.errors import SettingError
 from footopt.foot import SHAPES
 from footopt.studies import Paper
 from footopt.studies.build import make_effects
@@ -109,32 +107,3 @@ def test_the_study_leaves_figures_claims_and_a_page_and_searches_nothing_twice(t
     assert f"{len(CLAIMS)} claims" in capsys.readouterr().out
     check_page(tmp_path)
     assert len(searched) == 6  # how the triangle stands does not move the best feet
-
-
-@pytest.mark.slow
-def test_a_search_without_a_feasible_foot_leaves_its_claims_undecided(tmp_path, monkeypatch):
-    narrow = config(study__cases=["foot.width"], **SMALL)
-    monkeypatch.setitem(CHOICES, "foot.width", "0.1 0.001")
-    run(Study(replace(narrow, report="none"), tmp_path, {}))
-    entries = json.loads((tmp_path / "result.json").read_text())["claims"]
-    assert all(entry["changed"] == {"foot.width=0.001": None} for entry in entries)
-    assert not any(entry["hangs_on"] for entry in entries)
-
-
-@pytest.mark.parametrize(
-    ("settings", "name"),
-    [
-        ({"study__cases": ["foot.colour"]}, "study.cases"),
-        ({"study__shape_sand": "mud"}, "study.shape_sand"),
-        ({"study__mount": "side"}, "study.mount"),
-        ({"study__speed_loss": "tunnel"}, "study.speed_loss"),
-        ({"foot__shape": "circle"}, "foot"),
-        ({"scene__t_f": 1.0}, "scene.t_f"),
-        ({"study__confirm": "best"}, "study.confirm"),
-    ],
-)
-def test_bad_settings_are_refused_before_anything_is_searched(settings, name, tmp_path):
-    with pytest.raises(SettingError) as error:
-        run(Study(config(**settings), tmp_path, {}))
-    assert error.value.setting == name
-    assert not list(tmp_path.iterdir())

@@ -71,9 +71,6 @@ class TestWheel:
         assert wheel("wheel_driven", ["leading_edge"], 0.95) == pytest.approx([1.1, 1.6], abs=0.05)
         assert wheel("wheel_driven", [], 0.95) == pytest.approx([4.2, 5.3], abs=0.05)
 
-    def test_the_plate_in_the_test_bed_alone_would_sink_the_wheel_too_deep(self):
-        assert wheel("wheel_driven", ["leading_edge"], 0.46)[0] == pytest.approx(14.8, abs=0.05)
-
     @pytest.mark.parametrize("law", [[], ["leading_edge"]])
     def test_no_zeta_predicts_braked_wheels(self, law):
         best = np.min([wheel("wheel_braked", law, zeta) for zeta in np.geomspace(0.2, 5.0, 20)], axis=0)
@@ -120,15 +117,6 @@ class TestComparison:
         assert counts(found) == dict(zip(MET, (1, 1, 0), strict=True))
 
 
-@pytest.mark.parametrize("e", ALL.values(), ids=list(ALL))
-class TestFiles:
-    def test_a_scale_of_the_map_is_a_level_plates_and_is_not_tuned(self, e):
-        if e.content["rig"] == "plate":
-            level = e.content["setup"]["pairs"].index([0, 90])
-            measured = {q["name"]: q["measured"][level] for q in e.content["quantities"]}
-            assert e.content["inputs"]["zeta"]["value"] == pytest.approx(measured["alpha_z"], rel=2e-3)
-
-
 @pytest.mark.parametrize("name", ["poppy_loose", "poppy_close", "grains"])
 def test_data_that_are_another_map_s_are_those_of_the_map(name):
     setup = ALL[name].content["setup"]
@@ -168,11 +156,6 @@ class TestModelError:
         assert errors["mean_height"] == pytest.approx(sinkage * own["maximum_sinkage"] / own["mean_height"])
         assert errors["efficiency"] == pytest.approx(math.hypot(*(errors[name] for name in FIVE)))
 
-    def test_a_walk_without_trailing_faces_has_the_errors_of_that_law(self, hard_walk):
-        edge = replace(hard_walk, scene=fo.Scene(effects=(fo.LeadingEdge(), fo.Inertia())))
-        error = model.model_error(edge, spread=0.0)["work"]
-        assert error == model.found()["people", "work ratio", ("leading_edge",)]["error"]
-
     def test_it_has_what_the_spread_of_zeta_changes_in_the_walk_itself(self, hard_walk):
         law, both = (model.model_error(hard_walk, spread=spread) for spread in (0.0, 0.3))
         own = hard_walk.objectives
@@ -183,21 +166,6 @@ class TestModelError:
             change = max(abs(other[name] / own[name] - 1.0) for other in walks)
             assert both[name] == pytest.approx(math.hypot(law[name], change), rel=1e-9)
         assert both["work"] > 1.01 * law["work"]
-
-    def test_where_softer_sand_sinks_the_walker_nothing_is_sure(self, flat_foot):
-        walk = fo.simulate(flat_foot, fo.Scene(fo.Sand(zeta=0.06)))
-        assert walk.feasible
-        assert min(model.model_error(walk, spread=0.99).values()) >= 1.0
-
-    def test_a_walk_that_failed_has_none(self, hard_walk):
-        assert model.model_error(replace(hard_walk, reason="sunk")) == {}
-
-    def test_of_who_stands_it_is_the_law_s_alone(self):
-        scene = fo.Scene(gait=replace(fo.Gait.human(), start=math.inf), t_f=1.0)
-        stands = fo.simulate(fo.Foot.flat(), scene, "draft")
-        assert (
-            model.model_error(stands)["distance"] == model.model_error(stands, spread=0.0)["distance"] > 0.0
-        )
 
 
 @pytest.fixture(scope="module")
