@@ -1,19 +1,17 @@
 """footopt as a user types it: in this process or, where a process is the point, in one of its own.
 
-Figures are made but not rendered, unless a run is to be `drawn`: that is most of a small run's time.
+Figures are made but not rendered in this process: that is most of a small run's time.
 """
 
 import io
 import json
 import logging
 import os
-import signal
 import sqlite3
 import subprocess
 import sys
 import time
-from contextlib import closing, redirect_stderr, redirect_stdout, suppress
-from pathlib import Path
+from contextlib import closing, redirect_stderr, redirect_stdout
 
 import matplotlib.figure
 import pytest
@@ -48,7 +46,7 @@ def composed(*overrides):
         return OmegaConf.to_object(structured(resolved(compose("config", list(overrides)), overrides)))
 
 
-def footopt(*arguments, cwd, drawn=False):
+def footopt(*arguments, cwd):
     """footopt in this process: its exit code, and what it wrote to stdout and stderr."""
     root, out, err = logging.getLogger(), io.StringIO(), io.StringIO()
     handlers, level, code = list(root.handlers), root.level, 0
@@ -60,8 +58,7 @@ def footopt(*arguments, cwd, drawn=False):
         patch.setenv("COLUMNS", "80")
         # Hydra composes everything once more to see whether hydra.mode is set, which no test does
         patch.setattr("hydra._internal.hydra.Hydra.get_mode", lambda *_, **__: None)
-        if not drawn:
-            unrender(patch)
+        unrender(patch)
         try:
             cli.main()
         except SystemExit as end:
@@ -87,33 +84,27 @@ def unrender(monkeypatch):
         monkeypatch.setattr(figure, method, lambda figure: None)
 
 
-def environment(**more):
-    """The variables of a process that footopt runs in, with its own workers and jobs; None removes one."""
-    return {n: v for n, v in (os.environ | {"HYDRA_FULL_ERROR": "0"} | more).items() if v is not None}
-
-
-def program(*arguments, cwd, **more):
+def program(*arguments, cwd):
     """footopt in a process of its own, where warnings are errors: what became of it."""
     return subprocess.run(
         [sys.executable, "-m", "footopt", *arguments],
         cwd=cwd,
-        env=environment(PYTHONWARNINGS="error", **more),
+        env=os.environ | {"HYDRA_FULL_ERROR": "0", "PYTHONWARNINGS": "error"},
         capture_output=True,
         text=True,
         timeout=LIMIT,
     )
 
 
-def started(*arguments, cwd, **options):
-    """footopt in the background; if it is told to abort it writes where it is."""
+def started(*arguments, cwd):
+    """footopt in the background."""
     return subprocess.Popen(
         [sys.executable, "-m", "footopt", *arguments],
         cwd=cwd,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-        env=environment(PYTHONFAULTHANDLER="1"),
-        **options,
+        env=os.environ | {"HYDRA_FULL_ERROR": "0"},
     )
 
 
@@ -121,31 +112,6 @@ def only_folder(root):
     """The folder of the one run below a folder."""
     (result,) = root.rglob("result.json")
     return result.parent
-
-
-def children(pid):
-    """Processes that a process has started."""
-    threads = Path(f"/proc/{pid}/task").glob("*/children")
-    return {int(word) for thread in threads for word in thread.read_text().split()}
-
-
-def descendants(pid):
-    """Processes that a process has started, and those that these have."""
-    found = children(pid)
-    return found.union(*(descendants(child) for child in found))
-
-
-def ended(run, limit=300):
-    """What a run says until it ends; if it does not, where it hangs."""
-    try:
-        return run.communicate(timeout=limit)
-    except subprocess.TimeoutExpired:
-        family = descendants(run.pid)
-        run.send_signal(signal.SIGABRT)  # Python's faulthandler writes the stack
-        for pid in family:  # one that is stopped would keep the pipes open
-            with suppress(ProcessLookupError):
-                os.kill(pid, signal.SIGKILL)
-        raise AssertionError(f"hangs: {run.communicate(timeout=60)[1]}") from None
 
 
 def stored(folder):
@@ -171,11 +137,3 @@ def outcome(folder):
     result = json.loads((folder / "result.json").read_text())
     found = {name: value for name, value in result.items() if name not in TIMES}
     return found, *((folder / name).read_bytes() for name in ("designs.csv", "walk.nc", "contour.csv"))
-
-
-def folder_of(places, *words, setting="hydra.run.dir"):
-    """The folder that a command left, which succeeded in a place of its own; places: tmp_path_factory."""
-    cwd = places.mktemp("done")
-    done = footopt(*words, f"{setting}=run", cwd=cwd)
-    assert done.returncode == 0, done.stderr
-    return cwd / "run"

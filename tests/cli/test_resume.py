@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from running import BRIEF, QUICK, ended, folder_of, footopt, outcome, started, stored, tries, wait_for_designs
+from running import BRIEF, LIMIT, QUICK, footopt, outcome, started, stored, tries, wait_for_designs
 
 from footopt.cli.compose import CONF
 from footopt.files import identity
@@ -20,7 +20,10 @@ SMALL = ["sand=soft", "engine.threads=1", "report=light", *QUICK]
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory):
     """The folder of a small finished run."""
-    return folder_of(tmp_path_factory, *SMALL)
+    cwd = tmp_path_factory.mktemp("done")
+    done = footopt(*SMALL, "hydra.run.dir=run", cwd=cwd)
+    assert done.returncode == 0, done.stderr
+    return cwd / "run"
 
 
 @pytest.fixture
@@ -166,7 +169,7 @@ def test_killed_and_interrupted_anywhere_it_goes_on_to_the_same_bits(seed, tmp_p
         if sent == signal.SIGKILL:
             refused("resume=run", cwd=tmp_path, says="another run is at work", alone=False)
         run.send_signal(sent)
-        out, err = ended(run)
+        out, err = run.communicate(timeout=LIMIT)
         assert "Traceback" not in err
     assert run.returncode == 130
     assert "interrupted" in out

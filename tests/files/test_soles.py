@@ -54,15 +54,6 @@ def svg(folder):
     return write
 
 
-@pytest.fixture
-def table(folder):
-    def write(text):
-        (folder / "a.csv").write_text(text, encoding="utf-8")
-        return folder / "a.csv"
-
-    return write
-
-
 def polygon(points, name="a"):
     """An SVG polygon; the y-axis of the file points down."""
     return f'<polygon points="{" ".join(f"{x},{-z}" for x, z in points)}" id="{name}"/>'
@@ -217,18 +208,6 @@ class TestDxf:
         (note,) = foot.notes
         assert "not its holes: a closed outline of 11.9" in note
         assert note.count("a closed outline of") == 3
-
-
-class TestCsv:
-    def test_no_header_needs_units(self, table):
-        path = table("-100 -1\n0 -20\n100 0\n")
-        with pytest.raises(FileError, match=r"does not say in which unit"):
-            read(path)
-        assert len(read(path, units="mm")) == 3
-
-    def test_a_closed_table_is_an_outline(self, table):
-        rows = "\n".join(f"{x},{z}" for x, z in [*OUTLINE, OUTLINE[0]])
-        same(read(table(f"x_mm,z_mm\n{rows}\n")), LOWER)
 
 
 class TestTheLine:

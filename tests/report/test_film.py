@@ -84,14 +84,6 @@ def test_a_robot_is_filmed_by_mujocos_renderer_where_there_is_one(robot_walk, tm
     fo.animate(robot_walk, tmp_path / "walk.gif", fps=5, speed=1.0, dpi=40)
 
 
-@pytest.mark.slow
-def test_without_gl_a_robots_film_is_drawn_as_the_walkers(robot_walk, tmp_path, monkeypatch):
-    monkeypatch.setattr("footopt.mujoco.camera.import_module", lambda name: None)
-    with robot_walk.camera() as camera:
-        assert camera is None
-    fo.animate(robot_walk, tmp_path / "walk.gif", fps=5, speed=1.0, dpi=40)
-
-
 def test_a_failed_walk_is_filmed_to_its_end_and_one_without_a_step_is_refused(tmp_path):
     walk = fo.simulate(fo.Foot.flat(), fo.Scene(sand=fo.Sand(zeta=0.02)), "draft")
     assert walk.reason == "sunk"

@@ -117,13 +117,6 @@ def test_every_drawing_is_on_the_axes_that_it_was_given(things, name):
     assert plt.get_fignums() == []  # pyplot has seen nothing of it
 
 
-def test_an_object_is_a_line_without_arrays_which_its_card_has(card_of, things, walked, many, searches):
-    assert all("array" not in repr(thing) and len(repr(thing)) < 900 for thing in things.values())
-    assert f"distance {walked.objectives['distance']:.4g} m; " in repr(walked)
-    for name, thing in (("walk", walked), ("table", many), ("one", searches["one"])):
-        assert repr(thing) in card_of(name).text
-
-
 def test_names_are_escaped(walked, monkeypatch, tmp_path):
     monkeypatch.setattr(plot, "png", lambda figure, dpi: b"")
     foot = replace(walked.foot, name=NASTY)

@@ -16,20 +16,9 @@ EXAMPLE = Path(__file__).parents[2] / "examples" / "mujoco" / "biped.py"
 def test_biped_walks_on_sand_as_its_gait_says():
     biped = runpy.run_path(str(EXAMPLE))
     loads = []
-    found = biped["walk"](
-        fo.Foot.flat(),
-        fo.Sand.named("hard"),
-        2.9,
-        watch=lambda model, data: loads.append(data.qfrc_passive[1]),
-    )
+    watch = lambda model, data: loads.append(data.qfrc_passive[1])  # noqa: E731
+    found = biped["walk"](fo.Foot.flat(), fo.Sand.named("hard"), 2.9, watch=watch)
     assert found["failures"] == 0
     assert found["distance"] == pytest.approx(2.1, rel=0.1)  # as the walker's, whose mass is at the hip
     assert found["tracking"] < 5.0  # deg
     assert np.mean(loads) == pytest.approx(60 * 9.81, rel=0.05)
-    assert [foot.name for foot in biped["five"]()] == [
-        "flat",
-        "best, hard",
-        "best, regular",
-        "circle",
-        "ellipse",
-    ]

@@ -51,13 +51,3 @@ class TestStart:
             search(problem(), "ga", start=[[9, 9, 9, 9, 9]], **BUDGET)
         with pytest.raises(SettingError, match="at most 8 designs"):
             search(problem(), "ga", start=SMALL.random(9, seed=1), **BUDGET)
-
-
-class TestOperators:
-    def test_change_what_is_asked_and_the_defaults_are_those_without(self):
-        plain = search(problem(), "ga", **BUDGET)
-        same = search(problem(), "ga", operators={"crossover_eta": 3.0, "mutation_prob": 0.9}, **BUDGET)
-        other = search(problem(), "ga", operators={"crossover_eta": 30.0, "mutation_eta": 30.0}, **BUDGET)
-        assert same.k.tolist() == plain.k.tolist() != other.k.tolist()
-        de = [search(problem(), "de", operators=o, **BUDGET).k.tolist() for o in (None, {"F": 0.9})]
-        assert de[0] != de[1]

@@ -14,7 +14,6 @@ from footopt.design import make_executor
 from footopt.design.solvers import Solver
 from footopt.design.store import context
 from footopt.effects import name_of
-from footopt.effects.dual import Dual
 from footopt.errors import SettingError
 from footopt.studies.build import load_plugins, make_effects
 
@@ -44,18 +43,6 @@ class TestPlugins:
         assert (floor.depth, floor.length, slope) == (0.05, 0.01, fo.Slope())
         with pytest.raises(HydraException, match=r"effects\.floor\.deep"):
             composed(*words, "effects.floor.deep=0.05")
-
-    def test_the_floor_s_derivatives_are_those_of_its_load(self):
-        """Against differences: the implicit stepper rests on them."""
-        load_plugins([str(CUSTOM / "effect.py")])
-        import effect
-
-        law, h = effect.Floor().law, 1e-6
-        for depth in np.linspace(0.001, 0.15, 40):
-            found = law.load(Dual(depth, 1.0, 0.0), Dual(depth, 1.0, 0.0), 0.0)
-            slope = (law.load(depth + h, depth + h, 0.0) - law.load(depth - h, depth - h, 0.0)) / (2 * h)
-            assert found.value == law.load(depth, depth, 0.0)
-            assert (found.dx, found.dz) == (pytest.approx(slope, rel=1e-6), 0.0)
 
     def test_a_solver_joins_those_of_one_objective(self):
         assert (

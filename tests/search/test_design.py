@@ -127,12 +127,6 @@ class TestSearch:
         with pytest.raises(FootoptError, match=r"No feasible design among \d+: \d+ sunk"):
             search(problem(zeta=1e-3), "ga", pop_size=6, n_gen=2)
 
-    def test_a_solver_that_does_not_fit_the_objectives_is_refused(self):
-        with pytest.raises(SettingError, match="several objectives"):
-            search(problem("pareto"), "ga")
-        with pytest.raises(SettingError, match="one objective"):
-            search(problem(), "nsga2")
-
     def test_a_maximised_single_objective(self):
         r = search(problem("distance"), "ga", pop_size=10, n_gen=4, seed=1)
         assert r.column("distance")[r.best] == r.column("distance")[r.feasible].max()

@@ -13,7 +13,7 @@ from searching import SMALL
 import footopt as fo
 from footopt.design import Solver, Store, confirm, search
 from footopt.design.robust import own_best, regret
-from footopt.design.scenarios import RISK_MEASURES, plausible_laws, risk, sands
+from footopt.design.scenarios import RISK_MEASURES, risk, sands
 from footopt.design.store import context, differences, digest
 from footopt.errors import FootoptError, SettingError
 from footopt.walk.accuracy import PRESETS
@@ -206,15 +206,3 @@ class TestRobustProblem:
         assert said == "scenarios.0.ankle ([0.01, 0.0] there, [0.0, 0.0] here)"
         with Store(tmp_path / "s.sqlite", problem()) as store:
             assert len(store) == 0
-
-    def test_laws_are_those_with_and_without_two_effects_and_keep_all_else(self):
-        slope = fo.Slope(3.0)
-        scenes = plausible_laws(fo.Scene(effects=(slope, fo.LeadingEdge())))
-        found = {s.name: s.scene.effects for s in scenes}
-        assert {name: {*effects} - {slope} for name, effects in found.items()} == {
-            "plain law": set(),
-            "leading edge": {fo.LeadingEdge()},
-            "shadowing": {fo.Shadowing()},
-            "both": {fo.LeadingEdge(), fo.Shadowing()},
-        }
-        assert all(slope in effects for effects in found.values())

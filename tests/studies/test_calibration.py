@@ -101,9 +101,7 @@ def test_a_table_from_a_spreadsheet_with_decimal_commas_is_the_same(tmp_path, ma
 
 def test_the_study_leaves_a_sand_that_runs_use(tmp_path):
     plates_in_sand(tmp_path / "my beach.csv", np.random.default_rng(1), 0.8, 1.3)
-    done = footopt(
-        "study=calibrate", "study.tests=my beach.csv", "hydra.run.dir=found", cwd=tmp_path, drawn=True
-    )
+    done = footopt("study=calibrate", "study.tests=my beach.csv", "hydra.run.dir=found", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "the law does not hold there" in done.stdout
     file = yaml.safe_load((tmp_path / "found" / "sand" / "my_beach.yaml").read_text())

@@ -31,19 +31,6 @@ def made(tmp_path_factory):
     return cwd, *runs
 
 
-class TestRun:
-    @pytest.mark.slow
-    def test_goes_on_with_one(self, made, tmp_path, monkeypatch):
-        unrender(monkeypatch)
-        folder = shutil.copytree(made[1].folder, tmp_path / "run")
-        run = fo.run([f"resume={folder}", "solver.n_gen=3"])
-        assert (run.result["evaluations"], run.result["reused"]) == (24, made[1].result["designs"])
-        with pytest.raises(SettingError, match="start a new run"):
-            fo.run([f"resume={folder}", "sand=hard"])
-        with pytest.raises(SettingError, match=r"folder = 'x': must be left out with resume"):
-            fo.run([f"resume={folder}"], folder="x")
-
-
 class TestLoad:
     def test_gives_the_objects_of_a_search(self, made):
         run = fo.load(made[1].folder)
@@ -79,15 +66,6 @@ class TestLoad:
         assert {n: walk.objectives[n] for n in run.best} == run.best
         with pytest.raises(SettingError, match="must be optimize, to search again"):
             run.search()
-
-    def test_a_read_walks_nothing(self, made, tmp_path):
-        """Who asks a run that was stopped for its designs is told how to have them."""
-        folder = tmp_path / "stopped"
-        shutil.copytree(made[1].folder, folder)
-        (folder / "designs.csv").unlink(missing_ok=True)
-        (folder / "result.json").unlink()
-        with pytest.raises(FileError, match=r"has not ended\. run\.search\(\)"):
-            _ = fo.load(folder).designs
 
     def test_code_that_its_settings_name_is_run_only_for_who_trusts_it(self, made, tmp_path):
         folder = tmp_path / "plugged"

@@ -48,15 +48,6 @@ class TestStudy:
             assert min(found[:3]) == 0.0
 
     @pytest.mark.slow
-    def test_it_is_resumed_without_walking_again(self, run_sands):
-        before = json.loads((run_sands[1] / "result.json").read_text())
-        done = footopt("resume=run", cwd=run_sands[1].parent)
-        assert done.returncode == 0, done.stderr
-        assert done.stdout.count("of them known") == 4
-        after = json.loads((run_sands[1] / "result.json").read_text())
-        assert after["regrets"] == before["regrets"]
-
-    @pytest.mark.slow
     def test_of_drawn_scenarios_each_has_its_specialist(self, tmp_path, monkeypatch):
         unrender(monkeypatch)
         config = composed(*BRIEF, "study.scenarios=drawn", "study.draws=3", "study.measure=tail",

@@ -15,8 +15,6 @@ from study_pages import check_page
 
 import footopt as fo
 from footopt.effects import EFFECTS
-from footopt.mujoco.faces import stress
-from footopt.sand import alpha
 from footopt.studies.runs import run_study
 from footopt.studies.validate import MET, cells, counts
 from footopt.studies.validation import model, rig
@@ -24,7 +22,6 @@ from footopt.studies.validation.compare import (
     AGREES,
     DIFFERS,
     OPEN,
-    UNITS,
     Comparison,
     experiments,
 )
@@ -115,23 +112,6 @@ class TestComparison:
             replace(bad, experiment="g", apart="data assumed"),
         ]
         assert counts(found) == dict(zip(MET, (1, 1, 0), strict=True))
-
-
-@pytest.mark.parametrize("name", ["poppy_loose", "poppy_close", "grains"])
-def test_data_that_are_another_map_s_are_those_of_the_map(name):
-    setup = ALL[name].content["setup"]
-    beta, gamma = np.radians(np.array(setup["pairs"]).T)
-    if name == "grains":
-        up, rough = (0.0, 0.0, 1.0), math.inf  # no limit by the friction of the surface
-        x, _, z = np.transpose([
-            stress((math.sin(b), 0.0, -math.cos(b)), (math.cos(g), 0.0, -math.sin(g)), up, rough)
-            for b, g in zip(beta, gamma, strict=True)
-        ])  # fmt: skip
-        expected = -x, z
-    else:
-        expected = np.array(alpha(beta, gamma, fo.StressMap(**setup["fourier"]))) / UNITS["N/cm3"]
-    for q, values in zip(ALL[name].content["quantities"], expected, strict=True):
-        np.testing.assert_allclose(q["measured"], values, rtol=0.0, atol=5.1e-6)
 
 
 @pytest.mark.parametrize(
