@@ -1,7 +1,8 @@
-"""The table of bad inputs: each is refused by the name of its setting and its value, and leaves nothing."""
+"""The tables of bad inputs: each is refused by the name of its setting and its value, and leaves nothing."""
 
 import math
 import re
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -174,6 +175,22 @@ LIBRARY = [
     *several("effects.patches.factors", lambda f: fo.Patches((0.1,), (0.2,), f), (), (-1.0,)),
     *each("effects.patches", fo.Patches, blur=[0.0, math.nan]),
     *several("effects", lambda two: fo.Scene(effects=two), (fo.Slope(1.0), fo.Slope(2.0))),
+    *several("sand", fo.Sand.named, "concrete"),
+    *each("sand", fo.Sand, zeta=[0, *NOT_ABOVE_ZERO, "5", None, True]),
+    *each("sand.coefficients", fo.StressMap, B01=[math.nan, math.inf]),
+    *each("gait", fo.Gait.human, period=[0.0, math.inf, math.nan], start=[-0.1, math.nan], pitch=["ankle"]),
+    *several("gait.pitch", lambda pitch: replace(fo.Gait.human(), foot=None, pitch=pitch), "measured"),
+    *several("foot.shape", fo.Foot.shape, "clown"),
+    *each("foot", partial(fo.Foot.shape, "circle"), length=[0.0, math.nan], width=[-1.0]),
+    *each("foot", partial(fo.Foot.shape, "reversed_l"), upright=["middle"]),
+    *each("foot", partial(fo.Foot.shape, "reversed_triangle"), apex=["heel"], ankle=[(0.0, math.inf)]),
+    *each("foot", fo.Waypoints, n=[3, 201, 11.0, True], K=[0, 2.5], L=[0.0], H=[-0.03, math.nan]),
+    *each("foot", fo.Waypoints, ankle=[(0.0,), (0.0, math.nan)], box_tolerance=[-0.1, math.nan]),
+    *several("foot.k", fo.Foot.from_waypoints, 3, [1, 2, "x", 3], [[1, 2, 3, 4], [1, 2, 3, 4]]),
+    *several("foot.k[2]", fo.Foot.from_waypoints, [1, 2, 0, 3], [1, 2, 2.5, 3], [1, 2, math.nan, 3]),
+    *several("foot.n", fo.Foot.from_waypoints, [1, 2, 3], []),
+    *several("foot.n", lambda n: fo.search(fo.FootProblem(space=fo.Waypoints(n)), "exhaustive"), 11, 200),
+    *several("foot.contour", fo.Foot, np.zeros((1, 2)), np.zeros(4), [[0.0, 0.0], [math.nan, 1.0]]),
     *several("foot.closed", fo.evaluate, [FLAT, CIRCLE]),
     *each("foot", partial(fo.Foot, FLAT.contour), top=[math.nan]),
     *several("foot.block", partial(body_outline, FLAT), (0.3, 0.02), (0.06, 0.0), (-0.1, 0.1), (0.06,)),

@@ -70,38 +70,22 @@ def overrides(arguments):
 # --- commands and Python -------------------------------------------------------------------------
 
 
-def bundles():
-    """Settings of all commands by group, those together that do not differ in one: composing takes a while.
-
-    One value of those of a sweep; what `examples` and the reader's own files add is left out.
-    """
-    found = []
-    for arguments in FOOTOPT:
-        if {"--config-dir", "--help", "--version"} & set(arguments) or "plugins=" in " ".join(arguments):
-            continue
-        own = {}
-        for word in overrides(arguments):
-            key = word.key_or_group
-            if not key.startswith("hydra") and not word.is_interval_sweep():
-                swept = word.is_sweep_override()
-                line = f"{key}={next(word.sweep_string_iterator())}" if swept else word.input_line
-                own.setdefault(key.partition(".")[0], []).append(line)
-        fitting = (b for b in found if all(b.get(group, words) == words for group, words in own.items()))
-        bundle = next(fitting, None)
-        if bundle is None:
-            found.append(bundle := {})
-        bundle |= own
-    return [[word for words in bundle.values() for word in words] for bundle in found]
-
-
 @pytest.mark.slow
 def test_every_command_composes():
+    """With one value of those of a sweep, and without what `examples` and the reader's own files add."""
     assert len(FOOTOPT) > 30
-    for words in bundles():
+    for arguments, page in FOOTOPT.items():
+        if {"--config-dir", "--help", "--version"} & set(arguments) or "plugins=" in " ".join(arguments):
+            continue
+        words = []
+        for word in overrides(arguments):
+            if not word.key_or_group.startswith("hydra") and not word.is_interval_sweep():
+                one = next(word.sweep_string_iterator()) if word.is_sweep_override() else None
+                words.append(f"{word.key_or_group}={one}" if one else word.input_line)
         try:
             composed(*words)
         except HydraException as error:
-            raise AssertionError(f"footopt {' '.join(words)}") from error
+            raise AssertionError(f"{page}: footopt {' '.join(arguments)}") from error
 
 
 @pytest.mark.slow

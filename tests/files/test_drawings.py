@@ -60,16 +60,6 @@ SVG = {
         '<?xml version="1.0" encoding="utf-8"?><!-- Generator: Adobe Illustrator 24.0 -->'
         '<!DOCTYPE svg PUBLIC "-//W3C//DTD SVG 1.1//EN" "http://www.w3.org/Graphics/SVG/1.1/DTD/svg11.dtd">',
     ),
-    "FreeCAD": svg(
-        'width="216.6mm" height="80mm" viewBox="-120 -10 216.6 80" freecad:version="1.1" '
-        'xmlns:freecad="https://www.freecad.org/wiki/index.php?title=Svg_Namespace"',
-        f'<g id="Sketch" transform="scale(1,-1)"><path d="{PATH}" stroke="#000000" '
-        'style="stroke-width:0.35;fill:none"/><title>b\'Sketch\'</title></g>',
-    ),
-    "Rhino": svg(
-        'width="11in" height="8.5in" viewBox="0 0 792 612"',
-        f'<g transform="rotate(180 396 306)">{scaled(72 / 25.4, "translate(396 306) rotate(180)")}</g>',
-    ),
 }  # fmt: skip
 
 
@@ -153,12 +143,6 @@ def rhino():
     return text_of(made)
 
 
-def freecad():
-    made, space = document("R2000", units=6)
-    pieces(space, 1e-3, layer="Sketch")
-    return text_of(made)
-
-
 def openscad():
     """Lines of six digits, neither a header nor tables."""
     edge = 1e3 * sole()
@@ -169,7 +153,7 @@ def openscad():
     return text + "  0\nENDSEC\n  0\nEOF\n"
 
 
-DXF = {f.__name__: f for f in (autocad, autocad_mirrored, autocad_12, librecad, rhino, freecad, openscad)}
+DXF = {f.__name__: f for f in (autocad, autocad_mirrored, autocad_12, librecad, rhino, openscad)}
 UNITS = {"autocad_12": "mm", "openscad": "mm"}  # of files that say none
 
 

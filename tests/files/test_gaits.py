@@ -105,16 +105,6 @@ class TestOpenSim:
         assert misfit(gait) < 0.02
         assert gait.period == pytest.approx(HUMAN.period, rel=1e-4)
 
-    def test_states_and_other_models_have_other_names(self, tmp_path):
-        for i, names in enumerate(
-            (
-                [f"/jointset/a/{name}/value" for name in OPENSIM],
-                ("pelvis_tilt", "hip_flex_r", "knee_flex_r", "ankle_flex_r"),
-            )
-        ):
-            gait = fo.read_gait(write_mot(tmp_path / f"{i}.sto", HUMAN, names))
-            assert misfit(gait, joints=("thigh", "knee", "foot")) < 0.02
-
     def test_without_a_tilt_the_pelvis_is_level(self, tmp_path):
         path = write_mot(tmp_path / "walk.mot", HUMAN, ("other", *OPENSIM[1:]), tilt=4.0)
         gait = fo.read_gait(path)

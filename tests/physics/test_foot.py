@@ -139,11 +139,6 @@ class TestPlates:
         np.testing.assert_array_equal(SPACE.contour(batch)[i], SPACE.contour(batch[i])[0])
         assert SPACE.box_violation(batch)[i] == SPACE.box_violation(batch[i])[0]
 
-    def test_feet_among_heights_are_refused_not_left_out(self):
-        feet = [fo.Foot.from_waypoints(SMOOTH[0]), SMOOTH[0]]
-        with pytest.raises(SettingError, match="all Foot, or all waypoint heights"):
-            as_plates(feet, 40, "arc", None)
-
 
 SHAPE_OPTIONS = [
     ("ellipse", {}),
@@ -202,22 +197,6 @@ class TestShapes:
         assert (~inside).sum() <= 1
         assert 100 * length[inside].mean() == pytest.approx(0.26, rel=1e-3)
 
-    @pytest.mark.parametrize(
-        ("name", "options", "message"),
-        [
-            ("clown", {}, r"foot\.shape = .*ellipse, rectangle, circle, reversed_l, reversed_triangle"),
-            ("circle", {"length": 0.0}, r"foot\.length = 0\.0"),
-            ("circle", {"length": math.nan}, r"foot\.length = nan"),
-            ("circle", {"width": -1.0}, r"foot\.width"),
-            ("circle", {"ankle": (0.0, math.inf)}, r"foot\.ankle"),
-            ("reversed_l", {"upright": "middle"}, r"foot\.upright = 'middle': must be one of toe, heel"),
-            ("reversed_triangle", {"apex": "heel"}, r"foot\.apex = 'heel': must be one of middle, toe"),
-        ],
-    )
-    def test_impossible_ones_are_refused(self, name, options, message):
-        with pytest.raises(SettingError, match=message):
-            fo.Foot.shape(name, **options)
-
 
 def hollow_by_pairs(contour):
     """The gap below every point to the lowest chord that spans it, by trying all chords."""
@@ -263,47 +242,6 @@ class TestFoot:
         foot = fo.Foot(contour)
         assert {foot, fo.Foot(contour.copy(), name="again")} == {foot}
         assert len({foot, fo.Foot(contour, width=0.08), fo.Foot(1.01 * contour)}) == 3
-
-    @pytest.mark.parametrize(
-        ("k", "message"),
-        [
-            ([0] + [1] * 10, r"foot\.k\[0\] = 0\.0: must be a whole number from 1 to K = 10"),
-            ([1] * 10 + [11], r"foot\.k\[10\] = 11\.0: must be .* Raise foot\.K"),
-            ([1, 2, 2.5, 3], r"foot\.k\[2\] = 2\.5: must be a whole number"),
-            ([1, 2, math.nan, 3], r"foot\.k\[2\] = nan: must be a whole number"),
-            ([1, 2, "x", 3], r"foot\.k = .*must be 4 whole numbers"),
-            ([1, 2, 3], r"foot\.n = 3: must be a whole number from 4 to 200.*needs four points"),
-            ([], r"foot\.n = 0"),
-            (3, r"foot\.k = 3: must be one design"),
-            ([[1, 2, 3, 4], [1, 2, 3, 4]], r"foot\.k = .*must be one design"),
-        ],
-    )
-    def test_impossible_heights_are_refused(self, k, message):
-        with pytest.raises(SettingError, match=message):
-            fo.Foot.from_waypoints(k)
-
-    @pytest.mark.parametrize(
-        ("setting", "value"),
-        [
-            *(("n", value) for value in (3, 201, 11.0, True)),
-            *(("K", value) for value in (0, 2.5)),
-            *(("H", value) for value in (-0.03, math.nan)),
-            *(("ankle", value) for value in ((0.0,), (0.0, math.nan))),
-            *(("box_tolerance", value) for value in (-0.1, math.nan)),
-            *(("L", 0.0), ("width", math.inf)),
-        ],
-    )
-    def test_impossible_spaces_are_refused(self, setting, value):
-        with pytest.raises(SettingError, match="must be") as error:
-            fo.Waypoints(**{setting: value})
-        assert error.value.setting == f"foot.{setting}"
-
-    @pytest.mark.parametrize(
-        "contour", [np.zeros((1, 2)), np.zeros(4), np.zeros((3, 3)), np.array([[0.0, 0.0], [np.nan, 1.0]])]
-    )
-    def test_a_contour_is_at_least_two_finite_points(self, contour):
-        with pytest.raises(SettingError, match="at least two points"):
-            fo.Foot(contour)
 
 
 @pytest.mark.parametrize("seed", range(12))

@@ -159,29 +159,6 @@ class TestPitch:
         np.testing.assert_array_equal(gait.cycle(phase)[2][0], gait.foot.at(phase)[0])
         np.testing.assert_array_equal(gait.cycle(phase)[1][0], fo.Gait.human().cycle(phase)[1][0])
 
-    def test_measured_needs_a_measurement(self):
-        with pytest.raises(SettingError, match=r"gait\.pitch = 'measured'.*no measured pitch"):
-            replace(fo.Gait.human(), foot=None, pitch="measured")
-
-    def test_anything_else_is_refused(self):
-        with pytest.raises(SettingError, match=r"gait\.pitch = 'ankle': must be shank or measured"):
-            fo.Gait.human(pitch="ankle")
-
-
-@pytest.mark.parametrize(
-    ("setting", "value"),
-    [("period", 0.0), ("period", math.inf), ("period", math.nan), ("start", -0.1), ("start", math.nan)],
-)
-def test_impossible_times_are_refused(setting, value):
-    with pytest.raises(SettingError) as error:
-        fo.Gait.human(**{setting: value})
-    assert error.value.setting == f"gait.{setting}"
-
-
-def test_coefficients_must_be_finite():
-    with pytest.raises(SettingError, match="finite coefficients"):
-        replace(fo.Gait.human(), thigh=Fourier(math.nan, (), ()))
-
 
 class TestFourier:
     SERIES = st.builds(

@@ -136,10 +136,6 @@ class TestTheRobot:
         assert not [*tmp_path.iterdir()]
         assert capfd.readouterr() == ("", "")
 
-    def test_the_air_is_checked_before_the_first_step_of_a_slow_gait(self):
-        slow = fo.mujoco.Tracker(replace(fo.Gait.human(), period=2.4, start=1.0))
-        fo.FootProblem(fo.mujoco.Robot(controller=slow))
-
     def test_a_controller_that_fails_is_named_before_a_search(self, biped):
         with pytest.raises(SettingError, match=r"robot.controller = 'no_such_motor'.*KeyError"):
             fo.FootProblem(replace(biped, controller=no_such_motor))
@@ -248,7 +244,3 @@ class TestOneFoot:
         robot = fo.mujoco.Robot(HOPPER.format(euler="0 90 0"), "foot", hold, duration=0.4)
         with pytest.raises(SettingError, match=r"robot.feet = 'foot'.*x forward and z up"):
             fo.evaluate([SOLES[0]], robot, COARSE, space=SPACE)
-
-    def test_a_package_that_is_not_installed_is_named(self):
-        with pytest.raises(SettingError, match=r"robot.model.*pip install no_such_robots"):
-            fo.mujoco.Robot("pkg://no_such_robots/hopper.xml")

@@ -45,9 +45,3 @@ class TestStart:
         best = search(problem(), "exhaustive")
         found = search(problem(), "ga", start=[best.X], **BUDGET)
         assert found.X.tolist() == best.X.tolist()
-
-    def test_heights_that_cannot_be_and_too_many_are_refused(self):
-        with pytest.raises(SettingError):
-            search(problem(), "ga", start=[[9, 9, 9, 9, 9]], **BUDGET)
-        with pytest.raises(SettingError, match="at most 8 designs"):
-            search(problem(), "ga", start=SMALL.random(9, seed=1), **BUDGET)

@@ -14,7 +14,6 @@ from footopt.design import Solver, search
 from footopt.design.scenarios import sands
 from footopt.design.solvers.exhaustive import batches
 from footopt.design.solvers.moves import ExchangeRun, ShiftRun, shifts
-from footopt.errors import SettingError
 
 SPACE = fo.Waypoints(n=4, K=4)
 EVERYTHING = np.stack(np.meshgrid(*[range(1, 5)] * 4, indexing="ij"), axis=-1).reshape(-1, 4)
@@ -60,13 +59,6 @@ class TestExhaustive:
         r = search(problem("pareto"), "exhaustive", pop_size=size)
         exact = EVERYTHING[inside][~np.array(dominated)]
         assert sorted(map(tuple, r.k[r.front])) == sorted(map(tuple, exact))
-
-    @pytest.mark.parametrize(
-        ("space", "count"), [({}, "100,000,000,000"), ({"n": 200, "K": 100}, "more than")]
-    )
-    def test_a_space_of_more_than_a_million_is_refused(self, space, count):
-        with pytest.raises(SettingError, match=rf"foot\.n = .* at most 1,000,000 soles.* {count}.*foot\.n=5"):
-            search(problem(space=fo.Waypoints(**space)), "exhaustive")
 
 
 class TestMemetic:

@@ -137,18 +137,6 @@ class TestStore:
                 assert len(store) == count // 2 * 5 + 1
                 assert store.get([[20] * 5])[0].values.tolist() == [i] * 6
 
-    def test_is_a_table_that_any_program_reads(self, path):
-        found = search(problem("pareto"), "nsga2", store=path, pop_size=40, n_gen=2)
-        with contextlib.closing(sqlite3.connect(path)) as connection:
-            read = connection.execute("SELECT * FROM designs_1 WHERE reason = '' ORDER BY k1, k2, k3, k4, k5")
-            names, rows = [column[0] for column in read.description], np.array(read.fetchall())
-        good = found.reasons == ""
-        expected = np.column_stack([found.k, found.values])[found.reasons != "sunk"]
-        assert names == ["k1", "k2", "k3", "k4", "k5", *found.problem.record, "reason"]
-        assert good.any()
-        expected = expected[np.lexsort(expected[:, 4::-1].T)]
-        np.testing.assert_allclose(rows[:, :-1].astype(float), expected, rtol=1e-14)
-
     def test_an_error_is_replaced_by_a_walk_and_replaces_none(self, path):
         good, error = Evaluation(np.ones(6), ""), Evaluation(np.full(6, np.nan), "error: died")
         with Store(path, problem()) as store:

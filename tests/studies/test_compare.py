@@ -56,12 +56,6 @@ def test_a_table_a_file_and_a_page(runs, capsys):
     assert (runs / "here" / "result.json").is_file()
 
 
-def test_each_run_once_and_not_the_one_that_is_running(runs):
-    own = runs / "old" / "a"
-    found = run_folders([f"{runs}/*/[ab]", str(runs / "old" / "b"), f"{runs}/**/c"], own)
-    assert found == [runs / "old" / "b", runs / "new" / "c"]
-
-
 def test_a_multirun_stands_for_its_jobs_in_their_order(runs):
     (runs / "multi").mkdir()
     for job in ("10", "9", "2"):

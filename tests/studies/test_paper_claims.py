@@ -62,12 +62,6 @@ class TestReadings:
         losses = switch_losses(replace(walk, velocity=velocity), name)
         np.testing.assert_allclose(losses, [0.0, 0.3, 0.0], atol=1e-12)
 
-    def test_power_while_both_feet_stand_does_not_count_in_single_stance(self, walk):
-        alone = np.abs(walk.force[:, ::-1, 1]) < 0.05 * walk.scene.walker.weight
-        assert not alone.all()
-        power = np.where(alone, walk.power, 1e6)
-        assert walks.single_stance_power(replace(walk, power=power)) == walks.single_stance_power(walk)
-
     @pytest.mark.parametrize("chosen", [Paper(), Paper(peak_power="single", speed_loss="narrow")])
     def test_a_search_ranks_by_what_is_read(self, chosen):
         problem = fo.FootProblem(scene("hard"), objective(chosen), accuracy="draft")
@@ -137,20 +131,3 @@ class TestClaims:
         margins = measure(walked(config(), {sand: STORED["walks"][sand]["k"] for sand in SANDS}), "walk")
         stored = {claim["id"]: claim["margin"] for claim in STORED["claims"]}
         assert margins == pytest.approx(stored, rel=1e-6)
-
-
-class TestQuantities:
-    def test_mean_drags_add_up_to_the_change_of_momentum(self, walk):
-        t, speed = walk.t[walk.t >= 1.1], walk.velocity[walk.t >= 1.1, 0]
-        found = claims.of_traces(walk)
-        forth, back = found["mean_drag_forwards"], found["mean_drag_backwards"]
-        impulse = (forth - back) * (t[-1] - t[0])
-        gross = (forth + back) * (t[-1] - t[0])
-        assert impulse == pytest.approx(60.0 * (speed[-1] - speed[0]), abs=3e-3 * gross)
-
-    def test_the_curvature_of_a_circle_and_of_a_flat_foot(self):
-        circle = fo.Foot.shape("circle")
-        assert claims.of_contour(circle)["curvature"] == pytest.approx(np.pi / 0.26, rel=1e-3)
-        for foot in (circle, fo.Foot.flat(), fo.Foot.shape("ellipse")):
-            assert claims.of_contour(foot)["inward_turn"] == pytest.approx(0.0, abs=1e-6)
-        assert claims.of_contour(fo.Foot.from_waypoints(HOLLOW))["inward_turn"] > 10.0

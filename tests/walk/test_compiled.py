@@ -1,12 +1,7 @@
 """Compiled code is kept on disk by what it is compiled from, whoever else compiles at once."""
 
-import os
-import subprocess
 import sys
-import time
 from pathlib import Path
-
-import pytest
 
 import footopt
 import footopt as fo
@@ -78,37 +73,3 @@ def test_an_effect_of_a_user_that_was_edited_is_compiled_again(tmp_path):
     second = digest_of((loaded("def hook(a):\n    return 2 * a\n"),))
     typed = [eval(f"lambda a: {n} * a") for n in (1, 2)]
     assert len({digest_of(()), first, second, *(digest_of((f,)) for f in typed)}) == 5
-
-
-SLOWLY = """
-import sys, time
-from numba.core.caching import IndexDataCacheFile
-from footopt.compiled import cached_njit
-
-save = IndexDataCacheFile._save_index
-IndexDataCacheFile._save_index = lambda self, content: (time.sleep(1.0), save(self, content))
-law = tuple(map(float, sys.argv[1:]))  # a walk's type has that of its effects' laws
-
-@cached_njit()
-def total(law):
-    return sum(law)
-
-time.sleep(max(0.0, {start} - time.time()))
-print(total(law), sum(total.stats.cache_hits.values()))
-"""
-
-
-@pytest.mark.slow
-def test_processes_that_compile_different_walks_at_once_load_their_own(tmp_path):
-    """numba numbers the files of a function's signatures, and two processes could take the same number."""
-    laws = [["1"], ["1", "2"]]
-    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
-    (tmp_path / "walk.py").write_text(SLOWLY.replace("{start}", str(time.time() + 3.0)))
-
-    def printed():
-        words = [[sys.executable, tmp_path / "walk.py", *law] for law in laws]
-        runs = [subprocess.Popen(w, env=environment, stdout=subprocess.PIPE, text=True) for w in words]
-        return [run.communicate()[0].split() for run in runs]
-
-    assert printed() == [["1.0", "0"], ["3.0", "0"]]
-    assert printed() == [["1.0", "1"], ["3.0", "1"]]

@@ -2,7 +2,6 @@
 
 import math
 from functools import cache
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,7 +10,7 @@ from hypothesis import strategies as st
 
 import footopt as fo
 from footopt.walk import FIVE, OBJECTIVES, gain_shares
-from footopt.walk.metrics import RAW, Four, hermite, hermite_extreme, no_extremes, peak, updated
+from footopt.walk.metrics import RAW, Four, peak
 from footopt.walk.objectives import FLOORS, by_name, offered
 
 STRIKE = 1.1  # s, the first heel strike
@@ -64,31 +63,6 @@ class TestAgainstTheTrace:
         late = walk.t >= STRIKE - 1e-9
         assert walk.objectives["peak_power"] == pytest.approx(np.abs(walk.power[late]).max(), rel=1e-3)
         assert np.abs(walk.power[~late]).max() > 1.2 * walk.objectives["peak_power"]
-
-
-def power_of(samples, times, strike=1.0):
-    """The largest |P| after a strike of a walk with these samples of the left foot's."""
-    none = SimpleNamespace(power=0.0, z=0.0)
-    states = [
-        SimpleNamespace(
-            hip=SimpleNamespace(vx=1.0),
-            contact=SimpleNamespace(left=SimpleNamespace(power=-p, z=0.0), right=none),
-        )
-        for p in samples
-    ]
-    found = no_extremes()
-    for i, t in enumerate(times[1:], 1):
-        found = updated(found, states[i - 1], states[i], 0.0, 0.0, t, t - times[i - 1], strike, 0.0)
-    return found.power
-
-
-def test_a_peak_before_the_strike_does_not_come_in_by_interpolation():
-    """Only the last sample of |P| is at the strike: the highest, just before it, does not count."""
-    assert power_of((1.0, 1.0, 5.0, 4.0), (0.97, 0.98, 0.99, 1.0)) == 4.0
-
-
-def test_power_that_falls_at_the_strike_counts_from_that_instant():
-    assert power_of((8.0, 6.0, 4.0, 2.0, 0.0), (0.975, 0.985, 0.995, 1.005, 1.015)) == pytest.approx(3.0)
 
 
 def test_a_smooth_peak_between_samples_is_found_and_a_jump_is_no_peak():
@@ -166,24 +140,3 @@ class TestTable:
     def test_so_is_an_objective_that_a_walk_has_not(self, ramp_foot, regular):
         with pytest.raises(KeyError, match=r"energy.* distance, mean_height.*Walk.measures"):
             fo.simulate(ramp_foot, regular).objectives["energy"]
-
-
-class TestHermite:
-    """Speeds between steps are those of the cubic through both ends and their accelerations."""
-
-    CUBIC = st.tuples(*[st.floats(-2, 2)] * 4).map(np.polynomial.Polynomial)
-
-    @given(CUBIC, st.floats(0, 1))
-    def test_reproduces_cubics(self, cubic, share):
-        h, slope = 0.3, cubic.deriv()
-        value = hermite(cubic(0.0), cubic(h), slope(0.0), slope(h), h, share)
-        assert value == pytest.approx(cubic(share * h), abs=1e-12)
-
-    @given(CUBIC)
-    def test_finds_the_extreme_of_a_cubic(self, cubic):
-        h, slope = 0.3, cubic.deriv()
-        if slope(0.0) * slope(h) < -1e-6:
-            fine = cubic(np.linspace(0, h, 3001))
-            extreme = fine.max() if slope(0.0) > 0 else fine.min()
-            found = hermite_extreme(cubic(0.0), cubic(h), slope(0.0), slope(h), h)
-            assert found == pytest.approx(extreme, abs=1e-6)
