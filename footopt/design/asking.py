@@ -4,10 +4,9 @@ import copy
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from pymoo.core.algorithm import Algorithm as PymooAlgorithm
 from pymoo.core.initialization import Initialization
-from pymoo.core.problem import Problem
-from pymoo.problems.static import StaticProblem
 
 from footopt.design.known import Known
 from footopt.design.problem import Array, FootProblem, Ints, whole
@@ -94,7 +93,9 @@ class Algorithm:
 
     def tell(self, f: Array, g: Array) -> None:
         """F and G of the generation that was proposed, (designs, ...)."""
-        self._algorithm.evaluator.skip_already_evaluated = False  # F has a row for each proposal
-        plain = Problem(self._problem.n_var, f.shape[1], g.shape[1])  # pymoo copies it
-        self._algorithm.evaluator.eval(StaticProblem(plain, F=f, G=g), self._proposed)
+        violation = np.maximum(g, 0.0).sum(axis=1, keepdims=True)  # what each would be asked for later
+        for one, *columns in zip(self._proposed, f, g, violation, strict=True):
+            one.F, one.G, one.CV = columns
+            one.evaluated.update("FG")
+        self._algorithm.evaluator.n_eval += len(f)
         self._algorithm.tell(infills=self._proposed)

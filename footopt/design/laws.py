@@ -5,25 +5,30 @@ with and without the leading edge and shadowing, and its own with zeta by its sp
 """
 
 import math
-from contextlib import suppress
+from concurrent.futures import Executor
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from footopt.design.archive import Evaluator
 from footopt.design.problem import Array, FootProblem, Ints
 from footopt.design.result import Confirmation, SearchResult
-from footopt.design.robust import RobustProblem, regret
+from footopt.design.robust import Race, RobustProblem, regret
 from footopt.design.scenarios import Scenario, Spread, harder_and_softer, plausible_laws, scale_zeta
-from footopt.design.search import search
+from footopt.design.search import ask_and_tell, search
 from footopt.design.solvers import Solver
+from footopt.design.store import Store
 from footopt.errors import FootoptError
 from footopt.walk.accuracy import PRESETS, AnyAccuracy, Tolerance
 from footopt.walk.ladder import numerics
 from footopt.walk.objectives import MEASURES, relative_change
 from footopt.walk.simulate import evaluate
 
-FIRST = 10  # soles that a search begins with, and the best of one that are kept
+FIRST = 10  # soles that a search begins with
+LAST = 5  # best soles of the search under all laws that are evaluated again
 EVEN = 30  # designs of a generation: such a search begins near its end, and small ones take longer
 LEAST = 20  # evaluations of a search under a law
 REACH, STEPS = 32.0, 20  # factor by which zeta is moved either way until the order of two feet turns; steps
@@ -96,10 +101,10 @@ def under_laws(
     confirmed: Confirmation,
     spread: float = Spread.zeta,
     share: float | None = 0.05,
-    finalists: int = 20,
-    **options: Any,
+    store: str | Path | None = None,
+    executor: Executor | None = None,
 ) -> UnderLaws:
-    """The finalists of a search, soles that should lose little under every law, and the flat one, under each.
+    """The best foot of a search, soles that should lose little under every law, and the flat one, under each.
 
     Parameters
     ----------
@@ -111,16 +116,16 @@ def under_laws(
         A standard deviation of the logarithm of zeta.
     share : float, optional
         Of the search's evaluations, for a search under each law (`candidates`). Without it, and where there
-        are several objectives or no other law, there are only the finalists and the flat sole.
-    finalists : int
-        How many at most.
-    **options
-        store and executor, as in `search`.
+        are several objectives or no other law, there are only the best foot and the flat sole.
+    store : str or Path, optional
+        A file to keep every evaluation in, as in `search`.
+    executor : concurrent.futures.Executor, optional
+        Of the workers that evaluate, as in `search`.
     """
     problem = result.problem
-    laws, feet = possible_laws(problem.scene, spread), [result.k[confirmed.designs[:finalists]]]
+    laws, feet = possible_laws(problem.scene, spread), [result.k[confirmed.designs[:1]]]
     if share is not None and len(laws) > 1 and problem.n_obj == 1:
-        feet.append(candidates(result, laws, share, **options))
+        feet.append(candidates(result, laws, share, store, executor))
     feet.append(np.full((1, problem.space.n), problem.space.K))
     return compare(problem.at(confirmed.accuracy), laws, np.concatenate(feet))
 
@@ -149,13 +154,19 @@ def compare(problem: FootProblem, laws: tuple[Scenario, ...], feet: Ints) -> Und
     return UnderLaws(laws, k, losses, changes)
 
 
-def candidates(result: SearchResult, laws: tuple[Scenario, ...], share: float, **options: Any) -> Ints:
+def candidates(
+    result: SearchResult,
+    laws: tuple[Scenario, ...],
+    share: float,
+    store: str | Path | None = None,
+    executor: Executor | None = None,
+) -> Ints:
     """Soles (soles, n) that should lose little under every law, found from a search under the scene's own.
 
     Each other law in turn is searched with `share` of the search's evaluations, from the best soles of
-    the laws before it and from finalists; then, from the best sole of each law, a `RobustProblem` with three
-    times as many. They walk no finer than `draft`: what is found is to be evaluated again. A law under which
-    no foot walks is left out.
+    the laws before it and from those of the search; then, from the best sole of each law, all together with
+    three times as many soles (`Race`). They walk no finer than `draft`: what is found is to be evaluated
+    again. A law under which no foot walks is left out.
 
     Parameters
     ----------
@@ -165,49 +176,64 @@ def candidates(result: SearchResult, laws: tuple[Scenario, ...], share: float, *
         From `possible_laws`.
     share : float
         Of the evaluations of `result`.
-    **options
-        store and executor, as in `search`.
+    store, executor
+        As in `under_laws`.
 
     Raises
     ------
     KeyboardInterrupt
         It was interrupted.
     """
-    problem, start = result.problem, _best(result)
+    problem, start = result.problem, _best(result, FIRST)
     numbers = numerics(drafted(problem.accuracy), problem.scene, problem.space)
     walks = max(math.ceil(share * result.evaluations), LEAST)
     common: Any = {"space": problem.space, "accuracy": numbers, "threads": problem.threads}
-    walked, references, found = [], [], [start]
+    walked, references, found, evaluators = [], [], [start], []
 
-    def searched(p: FootProblem, begin: Ints, walks: int) -> SearchResult:
-        different = list(dict.fromkeys(map(tuple, begin.tolist())))[:FIRST]
-        solver = Solver(walks=walks, pop_size=min(EVEN, walks), seed=result.solver.seed)
-        done = search(p, solver, start=different, **options)
-        if done.interrupted:
-            raise KeyboardInterrupt("while searching the foot to print")
-        return done
+    def solver(walks: int) -> Solver:
+        return Solver(walks=walks, pop_size=min(EVEN, walks), seed=result.solver.seed).fitting(1)
 
-    for law in laws:
-        with suppress(FootoptError):  # no foot walks
+    with ExitStack() as opened:
+        for law in laws:
             alone = FootProblem(law.scene, problem.names, **common, limits=problem.limits)
-            own = law.scene == problem.scene  # which has been searched: its finalists will do
-            best = searched(alone, np.concatenate([*found[:0:-1], start]), len(start) if own else walks)
-            walked.append(law)
-            references.append(best.column(problem.ranking_objective)[best.best])
-            found.append(best.k[[best.best]])
-    if len(walked) > 1:
-        limits = {name: limit for name, limit in problem.limits.items() if name != problem.ranking_objective}
-        together = RobustProblem(walked, problem.names, **common, references=references, limits=limits)
-        with suppress(FootoptError):  # none walks under all of them
-            found.append(_best(searched(together, np.concatenate(found[1:]), 3 * walks)))
+            kept = None if store is None else opened.enter_context(Store(store, alone))
+            own = law.scene == problem.scene  # which has been searched: its best will do
+            begin, most = _different([*found[:0:-1], start]), len(start) if own else walks
+            with suppress(FootoptError):  # no foot walks
+                best = _whole(search(alone, solver(most), store=kept, executor=executor, start=begin))
+                walked.append(law)
+                evaluators.append(Evaluator(alone, kept, executor))
+                references.append(best.column(problem.ranking_objective)[best.best])
+                found.append(best.k[[best.best]])
+        if len(walked) > 1:
+            limits = {
+                name: limit for name, limit in problem.limits.items() if name != problem.ranking_objective
+            }
+            together = RobustProblem(walked, problem.names, **common, references=references, limits=limits)
+            with suppress(FootoptError):  # none walks under all of them
+                race, begin = Race(together, evaluators), _different(found[1:])
+                best = ask_and_tell(together, solver(3 * walks), None, race, None, begin)
+                found.append(_best(_whole(best), LAST))
     return np.unique(np.concatenate(found[1:] or found), axis=0)
 
 
-def _best(result: SearchResult) -> Ints:
+def _whole(result: SearchResult) -> SearchResult:
+    """A search that was not interrupted."""
+    if result.interrupted:
+        raise KeyboardInterrupt("while searching the foot to print")
+    return result
+
+
+def _different(soles: list[Ints]) -> Ints:
+    """The first of some soles, each once."""
+    return np.array(list(dict.fromkeys(map(tuple, np.concatenate(soles).tolist())))[:FIRST])
+
+
+def _best(result: SearchResult, most: int) -> Ints:
     """The best soles of a search, (soles, n)."""
     pool = np.flatnonzero(result.feasible)
     ranked = result.problem.ranked(result.values[pool])
-    return result.k[pool[np.argsort(ranked, kind="stable")[:FIRST]]]
+    return result.k[pool[np.argsort(ranked, kind="stable")[:most]]]
 
 
 def drafted(accuracy: AnyAccuracy) -> AnyAccuracy:

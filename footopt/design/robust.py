@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from footopt.design.archive import Evaluator
 from footopt.design.problem import Array, FootProblem, Ints, Words
 from footopt.design.scenarios import Scenario, check_measure, risk
 from footopt.design.search import search
@@ -17,6 +18,7 @@ from footopt.walk.accuracy import AnyAccuracy
 from footopt.walk.objectives import MEASURES
 from footopt.walk.simulate import evaluate
 
+KEPT = 30  # designs whose worst case is known in full, as many as the default solver has parents at first
 FEW = 10_000  # soles of a space that are all evaluated for a scenario's best one, as many as by a search
 
 
@@ -105,13 +107,66 @@ class RobustProblem(FootProblem):
         """Measures of the values over the scenarios, (designs, record), and the reasons of failed walks."""
         values, reasons = self.walk_each(k)
         values[..., self.record.index(self.ranking_objective)] /= np.abs(self.references)[:, None]
-        sign = np.array([MEASURES[name].sign for name in self.record])
-        total = sign * risk(sign * values, self.measure, self.tail)
+        total = self.signs * risk(self.signs * values, self.measure, self.tail)
+        return self._without_failed(total, reasons)
+
+    @property
+    def signs(self) -> Array:
+        """1 for each recorded value that is minimised, and -1 for the others."""
+        return np.array([MEASURES[name].sign for name in self.record])
+
+    def _without_failed(self, total: Array, reasons: Words) -> tuple[Array, Words]:
+        """Measures, and why designs fail: in the first of the scenarios (scenarios, designs) that they do."""
         failed = reasons != ""
         total[failed.any(axis=0)] = np.nan
-        first = zip(failed.argmax(axis=0), reasons.T, strict=True)  # the first scenario in which it fails
+        first = zip(failed.argmax(axis=0), reasons.T, strict=True)
         why = [f"{column[i]} ({self.scenarios[i].name})" if column[i] else "" for i, column in first]
         return total, np.array(why, dtype=np.str_)
+
+
+class Race:
+    """The worst case of each design, until it is worse than those of `KEPT` others (`Archive`'s `walk`).
+
+    The scenario that has been the worst one most often comes first. A design that loses more in it than all
+    of the best ones anywhere is evaluated in no other: its values are those of the scenarios so far.
+
+    Parameters
+    ----------
+    problem : RobustProblem
+        Of the measure "worst".
+    evaluators : sequence of Evaluator
+        Of each scenario alone.
+    """
+
+    def __init__(self, problem: RobustProblem, evaluators: Sequence[Evaluator]) -> None:
+        self.problem, self.evaluators = problem, evaluators
+        self._times_worst = np.zeros(len(evaluators))
+        self._best = np.full(KEPT, np.inf)  # worst cases of the best designs so far, minimised
+
+    @property
+    def reused(self) -> int:
+        """Evaluations that were read from a store."""
+        return sum(evaluator.reused for evaluator in self.evaluators)
+
+    def __call__(self, k: Ints) -> tuple[Array, Words]:
+        """Recorded values (designs, record), and the reasons of failed walks."""
+        p, left = self.problem, np.arange(len(k))
+        ranking, limit = p.record.index(p.ranking_objective), self._best[-1]
+        values = np.full((len(p.scenarios), len(k), len(p.record)), np.nan)
+        reasons = np.full((len(p.scenarios), len(k)), "", dtype=object)
+        for i in np.argsort(-self._times_worst, kind="stable"):
+            if len(left):
+                values[i, left], reasons[i, left] = self.evaluators[i](k[left])
+                values[i, left, ranking] /= abs(p.references[i])
+                left = left[p.signs[ranking] * values[i, left, ranking] <= limit]  # and none that fails
+        losses = p.signs[ranking] * values[..., ranking]
+        total, why = p._without_failed(p.signs * np.fmax.reduce(p.signs * values), reasons)
+        known = ~np.isnan(losses).any(axis=0)
+        kept = known & (p.constraints(total, why, np.zeros(len(k))) <= 0.0).all(axis=1)
+        self._best = np.sort(np.append(self._best, losses[:, kept].max(axis=0)))[:KEPT]
+        walked = ~np.isnan(losses).all(axis=0)
+        np.add.at(self._times_worst, np.nanargmax(losses[:, walked], axis=0), 1)
+        return total, why
 
 
 def own_best(

@@ -97,8 +97,7 @@ def search(
         solver = replace(solver, **budget)
     solver = solver.fitting(problem.n_obj)
     opened = Store(store, problem) if isinstance(store, (str, Path)) else nullcontext(store)
-    # what a solver computes is too little for threads, which would wait for each other
-    with opened as kept, threadpool_limits(1, "blas"):
+    with opened as kept:
         evaluator = Evaluator(problem, kept, executor)
         tell = _line(solver.generations(problem.space)) if progress is True else progress or None
         first = None if start is None else problem.space.check(start)
@@ -121,11 +120,14 @@ def ask_and_tell(
     problem: FootProblem,
     solver: Solver,
     progress: Callable[[Generation], object] | None,
-    evaluator: Evaluator,
+    evaluator: Any,
     termination: Any,
     start: Ints | None = None,
 ) -> SearchResult:
-    """Ask the solver for a generation, walk what is new of it, tell the solver, and so on."""
+    """Ask the solver for a generation, walk what is new of it, tell the solver, and so on.
+
+    An `evaluator` is called like an `Evaluator`, and has its `reused`.
+    """
     from footopt.design.asking import Algorithm
 
     algorithm = Algorithm(problem, solver, start, termination)
@@ -133,22 +135,23 @@ def ask_and_tell(
     most = math.inf if termination is not None and not solver.walks else solver.most
     started, interrupted, stopped = time.perf_counter(), False, ""
     try:
-        while archive.count < most:
-            if (k := algorithm.ask()) is None:
-                ended = algorithm.terminated or len(archive.history) == solver.n_gen
-                stopped = "" if ended or solver.name == EXHAUSTIVE else ENOUGH
-                break
-            first = archive.first(k, most)  # the last generation is cut where the walks end
-            found = archive.evaluate(k[:first])
-            if first == len(k):
-                algorithm.tell(*found)
-            archive.close_generation(time.perf_counter() - started)
-            if progress is not None and progress(archive.history[-1]) is True:
-                stopped = "by its progress"
-            if solver.seconds is not None and archive.history[-1].seconds >= solver.seconds:
-                stopped = stopped or f"after {solver.seconds:g} s"
-            if stopped:
-                break
+        with threadpool_limits(1, "blas"):  # too little for threads, which would wait for each other
+            while archive.count < most:
+                if (k := algorithm.ask()) is None:
+                    ended = algorithm.terminated or len(archive.history) == solver.n_gen
+                    stopped = "" if ended or solver.name == EXHAUSTIVE else ENOUGH
+                    break
+                first = archive.first(k, most)  # the last generation is cut where the walks end
+                found = archive.evaluate(k[:first])
+                if first == len(k):
+                    algorithm.tell(*found)
+                archive.close_generation(time.perf_counter() - started)
+                if progress is not None and progress(archive.history[-1]) is True:
+                    stopped = "by its progress"
+                if solver.seconds is not None and archive.history[-1].seconds >= solver.seconds:
+                    stopped = stopped or f"after {solver.seconds:g} s"
+                if stopped:
+                    break
     except KeyboardInterrupt:
         interrupted = True
     seconds = time.perf_counter() - started

@@ -13,14 +13,13 @@ from footopt.studies.runs import Study
 
 
 def evaluated(study: Study, result: SearchResult, confirmed: Confirmation) -> UnderLaws:
-    """The finalists, soles that should lose little under every law, and the flat one, under every law."""
+    """The best foot, soles that should lose little under every law, and the flat one, under every law."""
     options, share = study.options, None if result.interrupted else study.options.laws
     if share is not None and result.problem.n_obj == 1:
         study.say("Searching the foot to print, which loses least under the worst law")
     store = options.store or study.folder / "designs.sqlite"
     with study.executor() as executor, study.compiling("a walk for each law"):
-        spread, count = study.config.sand.spread, options.finalists
-        return under_laws(result, confirmed, spread, share, count, store=store, executor=executor)
+        return under_laws(result, confirmed, study.config.sand.spread, share, store, executor)
 
 
 def to_print(problem: FootProblem, k: Any) -> Foot:

@@ -4,8 +4,8 @@ import math
 import os
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import nullcontext
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -108,6 +108,15 @@ def _walk_once(plates: Plates, scene: Scene, accuracy: Accuracy, options: Option
 
     blocks = range(0, designs, BLOCK)
     workers = min(at_once(options.threads), len(blocks))
-    with ThreadPoolExecutor(workers) if workers > 1 else nullcontext() as pool:
-        list((pool.map if pool else map)(run, blocks))
+    list((_pool(workers).map if workers > 1 else map)(run, blocks))
     return out
+
+
+@lru_cache
+def _pool(workers: int) -> ThreadPoolExecutor:
+    """Threads, which are kept: to start them takes as long as ten walks."""
+    return ThreadPoolExecutor(workers)
+
+
+if hasattr(os, "register_at_fork"):  # a child has none of its parent's threads
+    os.register_at_fork(after_in_child=_pool.cache_clear)

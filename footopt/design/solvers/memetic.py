@@ -1,7 +1,9 @@
 """The default solvers: the fewest walks by moves that suit a spline, descents, and restarts."""
 
+from __future__ import annotations
+
 from copy import deepcopy
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +37,43 @@ ENDS = 0.2  # share of a generation that goes for the best by one of several obj
 FREE = 2 / 3  # share of their children that no model chooses, of a front up to FEW
 
 
+class Pool(NamedTuple):
+    """A population, and its heights, objectives and violation, a row each: pymoo asks every individual."""
+
+    pop: Any
+    X: Ints
+    F: Array
+    violation: Array
+
+    @classmethod
+    def of(cls, pop: Any) -> Pool:
+        """A population."""
+        X, F, violation = pop.get("X", "F", "CV")
+        return cls(pop, X.astype(np.int64), F.astype(float), violation[:, 0])
+
+    def take(self, rows: Any) -> Pool:
+        """Some of its designs."""
+        return Pool(*(column[rows] for column in self))
+
+    def joined(self, new: Pool) -> Pool:
+        """These and others."""
+        columns: Any = map(np.concatenate, zip(self[1:], new[1:], strict=True))
+        return Pool(Population.merge(self.pop, new.pop), *columns)
+
+    def by(self, objective: int) -> Pool:
+        """With one objective alone."""
+        return self._replace(F=self.F[:, [objective]])
+
+    def order(self) -> Ints:
+        """Places for one objective, best first: the feasible, then the least violation."""
+        return np.lexsort((self.F[:, 0], np.maximum(self.violation, 0.0)))
+
+    def front(self) -> Ints:
+        """Places of the non-dominated; without a feasible design those of least violation."""
+        rows = np.flatnonzero(self.violation <= max(self.violation.min(), 0.0))
+        return rows[nondominated(self.F[rows])]
+
+
 class Moves(Algorithm):
     """Base of the solvers by moves: no design twice, none outside its box, growing batches.
 
@@ -49,10 +88,10 @@ class Moves(Algorithm):
         self.pop_size = pop_size
         self.initialization = Initialization(RandomInside() if sampling is None else sampling)
         self.proposed = Known()
-        self.front = Population.new()
         self.learnt: list[tuple[Array, Array]] = []  # heights and objectives of each generation
         self.model: RankModel | None = None  # of what is learnt
-        self._collected: tuple[Any, Ints] = None, np.empty((0, 0), np.int64)
+        self.pool: Pool  # the population
+        self.front: Pool  # and what no other dominates, of several objectives
 
     def _setup(self, problem: Any, **kwargs: Any) -> None:
         self.proposed = Known()
@@ -117,7 +156,7 @@ class Moves(Algorithm):
         X = np.where((often > 0)[:, None], shifted(X, draw), X)
         X = np.where((often > 1)[:, None], shifted(X, draw), X)
         normal = draw.random(count) < NORMAL
-        return np.where(normal[:, None], like(self._heights().astype(float), count, draw), X)
+        return np.where(normal[:, None], like(self.pool.X.astype(float), count, draw), X)
 
     def _screened(self, X: Ints, count: int) -> Ints:
         """Of as many groups of children, the one in each that a model of the walks so far likes best."""
@@ -156,29 +195,25 @@ class Moves(Algorithm):
 
     def _parents(self, count: int) -> Ints:
         """Designs (count, n) that children are made of."""
-        return np.asarray(self._heights()[self.random_state.integers(len(self.pop), size=count)])
+        return np.asarray(self.pool.X[self.random_state.integers(len(self.pop), size=count)])
 
-    def _heights(self) -> Ints:
-        """Heights of the population, (designs, n); collected once: pymoo asks every individual."""
-        if self._collected[0] is not self.pop:
-            self._collected = self.pop, self.pop.get("X").astype(np.int64)
-        return self._collected[1]
-
-    def _initialize_advance(self, infills: Any = None, **kwargs: Any) -> None:
-        self.pop = Population.new()
-        self._advance(infills)
+    def _initialize_advance(self, infills: Any = None, told: Any = None, **kwargs: Any) -> None:
+        self.pool = self.front = told.take(slice(0))
+        self._advance(infills, told)
 
     def advance(self, infills: Any = None, **kwargs: Any) -> Any:
         """Note what has been walked, and go on."""
-        if infills is not None:
-            F = infills.get("F").astype(float)
-            violation = infills.get("CV")[:, 0]
-            F[violation > 0.0] = WORSE * (1.0 + violation[violation > 0.0, None])
-            self.learnt.append((infills.get("X").astype(float), F))
-            self.model = None
-            if self.told > 2 * REMEMBERED:
-                self.learnt = [self._kept(REMEMBERED)]
-        return super().advance(infills=infills, **kwargs)
+        told = Pool.of(infills)
+        bad = told.violation[:, None]
+        self.learnt.append((told.X.astype(float), np.where(bad > 0.0, WORSE * (1.0 + bad), told.F)))
+        self.model = None
+        if self.told > 2 * REMEMBERED:
+            self.learnt = [self._kept(REMEMBERED)]
+        return super().advance(infills=infills, told=told, **kwargs)
+
+    def _go_on_with(self, pool: Pool) -> None:
+        """Let a population be the parents."""
+        self.pop, self.pool = pool.pop, pool
 
     def _propose(self, size: int) -> Ints:
         """Designs that are proposed ahead of children."""
@@ -193,20 +228,20 @@ class Memetic(Moves):
         self.parents, self.age = PARENTS, 0
         self.champion: Any = None
 
-    def _advance(self, infills: Any = None, **kwargs: Any) -> None:
-        pool = Population.merge(self.pop, infills)
-        best = order(pool)[: self.parents]
-        self.age = 0 if best[0] >= len(self.pop) else self.age + 1
-        self.pop = pool[best]
+    def _advance(self, infills: Any = None, told: Any = None, **kwargs: Any) -> None:
+        pool = self.pool.joined(told)
+        best = pool.order()[: self.parents]
+        self.age = 0 if best[0] >= len(self.pool.X) else self.age + 1
+        self._go_on_with(pool.take(best))
 
     def _set_optimum(self) -> None:
         pool = self.pop[:1] if self.champion is None else Population.merge(self.champion, self.pop[:1])
-        self.opt = self.champion = pool[order(pool)[:1]]
+        self.opt = self.champion = pool[Pool.of(pool).order()[:1]]
 
     def _parents(self, count: int) -> Ints:
         """The better, the more often: the square of a uniform number picks the place."""
         place = (len(self.pop) * self.random_state.random(count) ** 2).astype(np.int64)
-        return np.asarray(self._heights()[place])
+        return np.asarray(self.pool.X[place])
 
     def _propose(self, size: int) -> Ints:
         """Where it stalls, the best one's neighbourhood, in half of a generation; then a restart."""
@@ -215,14 +250,15 @@ class Memetic(Moves):
 
     def _near(self, count: int) -> Ints:
         """New designs from the best one's neighbourhood."""
-        near = self.pop[0].X.astype(np.int64) + shifts(self.problem.n_var)
+        near = self.pool.X[0] + shifts(self.problem.n_var)
         return self._new(self.random_state.permutation(near), count)
 
     def _restart(self, size: int) -> Ints:
         """Random designs to begin anew with, and twice as many parents."""
         self.age, self.parents = 0, min(2 * self.parents, MOST_PARENTS)
         drawn = self._drawn(size)
-        self.pop = self.pop[:0] if len(drawn) == size else self.pop
+        if len(drawn) == size:
+            self._go_on_with(self.pool.take(slice(0)))
         return drawn
 
 
@@ -238,28 +274,27 @@ class Archive(Moves):
         self.alone: list[Memetic] = []  # searches of one objective each
         self.turn, self.sought = 0, 0  # whose turn it is; how many first designs are theirs
 
-    def _advance(self, infills: Any = None, **kwargs: Any) -> None:
+    def _advance(self, infills: Any = None, told: Any = None, **kwargs: Any) -> None:
+        if self.sought:
+            self.alone[self.turn]._advance(told=told.take(slice(self.sought)).by(self.turn))
+        front = self.front.joined(told)
+        self.front = front = front.take(front.front())
+        if len(front.X) > REMEMBERED:
+            self.front = front = self._survivors(front, REMEMBERED // 2)
+        self._go_on_with(self._survivors(front if len(front.X) > FEW else self.pool.joined(told), FEW))
+
+    def _survivors(self, pool: Pool, most: int) -> Pool:
+        """Those of a population whom NSGA-II would let survive."""
         from pymoo.operators.survival.rank_and_crowding import RankAndCrowding
 
-        def survivors(pool: Any, most: int) -> Any:
-            survive = {"n_survive": min(most, len(pool)), "random_state": self.random_state}
-            by_rank = RankAndCrowding()
-            if pool is self.front and pool[0].CV[0] <= 0.0:
-                by_rank.filter_infeasible = False  # like its first, all of it is feasible
-            return by_rank.do(self.problem, pool, **survive)
-
-        if self.sought:
-            X, F, G = infills[: self.sought].get("X", "F", "G")
-            self.alone[self.turn]._advance(Population.new(X=X, F=F[:, [self.turn]], G=G))
-        self.front = front(Population.merge(self.front, infills))
-        if len(self.front) > REMEMBERED:
-            self.front = survivors(self.front, REMEMBERED // 2)
-        self.pop = survivors(
-            self.front if len(self.front) > FEW else Population.merge(self.pop, infills), FEW
-        )
+        by_rank = RankAndCrowding()
+        if pool is self.front and pool.violation[0] <= 0.0:
+            by_rank.filter_infeasible = False  # like its first, all of it is feasible
+        survive = {"n_survive": min(most, len(pool.X)), "random_state": self.random_state}
+        return pool.take(by_rank.do(self.problem, pool.pop, return_indices=True, **survive))
 
     def _set_optimum(self) -> None:
-        self.opt = self.front
+        self.opt = self.front.pop
 
     def _propose(self, size: int) -> Ints:
         """A part for the ends of the front; of a small one in a quarter the neighbours of most promise."""
@@ -267,9 +302,9 @@ class Archive(Moves):
         if self.told < LEARNT:
             return super()._propose(size)
         ends = (self._ends if self.problem.n_obj > 2 else self._sought)(int(ENDS * size))
-        if len(self.front) > FEW:
+        X = self.front.X
+        if len(X) > FEW:
             return ends
-        X = self.front.get("X").astype(np.int64)
         near = (X[:, None] + shifts(X.shape[1])).reshape(-1, X.shape[1])
         X = self._fresh(self.random_state.permutation(near)[: 3 * CHILDREN])
         best = np.argsort(-self._promise(X), kind="stable") if len(X) else np.empty(0, np.int64)
@@ -301,11 +336,12 @@ class Archive(Moves):
         alone, (X, F) = Memetic(), self._kept(self.told)
         alone.problem, alone.random_state, alone.proposed = self.problem, self.random_state, self.proposed
         best = F[:, by].argsort(kind="stable")[:PARENTS]
-        alone.pop = Population.new(X=X[best], F=F[best][:, [by]])
+        begin = Pool(Population.new(X=X[best]), X[best].astype(np.int64), F[best], np.zeros(len(best)))
+        alone._go_on_with(begin.by(by))
         return alone
 
     def _screened(self, X: Ints, count: int) -> Ints:
-        free = int(FREE * count) if len(self.front) <= FEW else 0
+        free = int(FREE * count) if len(self.front.X) <= FEW else 0
         return np.concatenate([super()._screened(X[free:], count - free), X[:free]])
 
 
@@ -319,16 +355,3 @@ def like(X: Array, count: int, draw: Any) -> Ints:
     covariance = deviations.T @ deviations / max(len(X) - 1, 1) + 0.05 * np.eye(n)
     drawn = X.mean(axis=0) + draw.normal(size=(count, n)) @ np.linalg.cholesky(covariance).T
     return np.asarray(np.round(drawn).astype(np.int64))
-
-
-def order(pop: Any) -> Ints:
-    """Places of a population for one objective, best first: the feasible, then the least violation."""
-    f, violation = pop.get("F")[:, 0], pop.get("CV")[:, 0]
-    return np.lexsort((f, np.maximum(violation, 0.0)))
-
-
-def front(pop: Any) -> Any:
-    """The non-dominated of a population; without a feasible design those of least violation."""
-    violation = pop.get("CV")[:, 0]
-    pop = pop[violation <= max(violation.min(), 0.0)]
-    return pop[nondominated(pop.get("F"))]
