@@ -68,7 +68,7 @@ def test_the_default_solver_remembers_only_so_many(monkeypatch):
 
     def noted(self, infills=None, **kwargs):
         advance(self, infills, **kwargs)
-        found.append((self.told, len(self.front)))
+        found.append((self.told, len(self.front.X)))
 
     monkeypatch.setattr(memetic.Archive, "_advance", noted)
     result = fo.search(problem("pareto"), "archive", pop_size=30, n_gen=12, seed=1)

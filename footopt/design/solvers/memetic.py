@@ -199,11 +199,11 @@ class Moves(Algorithm):
 
     def _initialize_advance(self, infills: Any = None, told: Any = None, **kwargs: Any) -> None:
         self.pool = self.front = told.take(slice(0))
-        self._advance(infills, told)
+        self._advance(infills, told=told)
 
     def advance(self, infills: Any = None, **kwargs: Any) -> Any:
         """Note what has been walked, and go on."""
-        told = Pool.of(infills)
+        told = self.pool.take(slice(0)) if infills is None else Pool.of(infills)  # nothing new is found
         bad = told.violation[:, None]
         self.learnt.append((told.X.astype(float), np.where(bad > 0.0, WORSE * (1.0 + bad), told.F)))
         self.model = None
