@@ -250,22 +250,25 @@ def better_zetas(problem: FootProblem, foot: Ints, flat: Ints) -> tuple[float | 
     """
     scene: Any = problem.scene
     numbers = numerics(drafted(problem.accuracy), scene, problem.space)
-    factors, lead = np.geomspace(1.0 / REACH, REACH, 2 * STEPS + 1), np.empty(2 * STEPS + 1)
-    for i, factor in enumerate(factors):
-        there, name = scale_zeta(scene, factor), problem.ranking_objective
+
+    def lead(step: int) -> float:
+        """By how much the foot is better, a number of steps from the scene's own zeta."""
+        there, name = scale_zeta(scene, REACH ** (step / STEPS)), problem.ranking_objective
         table = evaluate(np.stack([foot, flat]), there, numbers, (name,), problem.space, problem.threads)
-        lead[i] = -regret(table.values[0], table.values[1], name)[0] if table.feasible.all() else -np.inf
-    if not lead[STEPS] > 0.0:
+        return (
+            -float(regret(table.values[0], table.values[1], name)[0]) if table.feasible.all() else -math.inf
+        )
+
+    def turn(direction: int) -> float | None:
+        """Where the lead is nothing: in proportion between the last step with one and the first without."""
+        before = own
+        for step in range(1, STEPS + 1):
+            after = lead(direction * step)
+            if not after > 0.0:
+                share = before / (before - after)
+                return float(scene.sand.zeta * REACH ** (direction * (step - 1 + share) / STEPS))
+            before = after
         return None
 
-    def turn(step: int) -> float | None:
-        """Where the lead is nothing: in proportion between the last step with one and the first without."""
-        at = STEPS
-        while lead[at] > 0.0:
-            at += step
-            if not 0 <= at < len(lead):
-                return None
-        share = lead[at - step] / (lead[at - step] - lead[at])
-        return float(scene.sand.zeta * factors[at - step] * (factors[at] / factors[at - step]) ** share)
-
-    return turn(-1), turn(1)
+    own = lead(0)
+    return (turn(-1), turn(1)) if own > 0.0 else None

@@ -18,7 +18,7 @@ from footopt.walk.accuracy import AnyAccuracy
 from footopt.walk.objectives import MEASURES
 from footopt.walk.simulate import evaluate
 
-KEPT = 30  # designs whose worst case is known in full, as many as the default solver has parents at first
+KEPT = 10  # designs whose worst case is known in full: others, if they lose more in one scenario, are dropped
 FEW = 10_000  # soles of a space that are all evaluated for a scenario's best one, as many as by a search
 
 

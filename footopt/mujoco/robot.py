@@ -267,10 +267,8 @@ class Robot(Simulator):
 def _ladder(of: Tolerance, robot: Robot, soles: Any, refinements: int) -> tuple[Accuracy, Found]:
     """The end of the ladder of time steps and plates for a space or some feet."""
     own = float(robot.model.compiled.opt.timestep)
-    feet = [Foot.from_waypoints(k, soles) for k in probes(soles)] if isinstance(soles, Waypoints) else soles
-
     for _ in range(0 if of.dt else HALVINGS):  # a step at which soles diverge tells nothing of errors
-        if np.sum(robot.walk(feet, Accuracy(dt=own, plates=plates_at(Rung()))).reasons == "diverged") < 2:
+        if np.sum(_probed(robot, soles, own, plates_at(Rung())).reasons == "diverged") < 2:
             break
         own /= 2.0
 
@@ -279,7 +277,7 @@ def _ladder(of: Tolerance, robot: Robot, soles: Any, refinements: int) -> tuple[
 
     def walked(rung: Rung) -> tuple[Array, float]:
         numbers = at(rung)
-        found = robot.walk(feet, numbers)
+        found = _probed(robot, soles, numbers.dt, numbers.plates)
         raw = by_name(np.where(found.reasons[:, None] == "", found.raw, np.nan), robot.quantities)
         values = np.stack([OBJECTIVES[name].value(raw, robot) for name in FIVE], axis=1)
         return values, (STEP_COST + numbers.plates) / numbers.dt
@@ -289,3 +287,10 @@ def _ladder(of: Tolerance, robot: Robot, soles: Any, refinements: int) -> tuple[
     numbers = at(found.rung)
     finer = 2**refinements
     return replace(numbers, dt=numbers.dt / finer, plates=numbers.plates * finer), found
+
+
+@lru_cache(maxsize=64)
+def _probed(robot: Robot, soles: Any, dt: float, plates: int) -> Walked:
+    """The probes of a space, or some feet: every tolerance climbs from the same rungs."""
+    feet = [Foot.from_waypoints(k, soles) for k in probes(soles)] if isinstance(soles, Waypoints) else soles
+    return robot.walk(feet, Accuracy(dt=dt, plates=plates))

@@ -50,7 +50,7 @@ class SearchSettings(StudySettings):
     confirm: str | None = setting(
         FINER, "Preset at which finalists are walked again: finer, the next; null: none, and no other law."
     )
-    finalists: int = setting(20, "How many of the best are walked again, and by other laws; a front whole.")
+    finalists: int = setting(20, "How many of the best are walked again; a front whole.")
     store: str | None = setting(None, "File of designs that runs may share; null: one in the folder.")
     reuse: bool = setting(False, "Whether to read what other code has walked from the store.")
     reads = (*SCENE, *ROBOT, *SPACE, "foot.shape", "foot.k", "accuracy", "objective", "solver", "engine")

@@ -5,7 +5,10 @@ import pytest
 from searching import QUICK, SMALL
 
 import footopt as fo
+from footopt.design import robust
+from footopt.design.archive import Evaluator
 from footopt.design.laws import better_zetas, candidates, compare, possible_laws
+from footopt.design.robust import Race, RobustProblem
 
 LAWS = possible_laws(fo.Scene(), 0.3)
 FLAT = np.full(SMALL.n, SMALL.K)
@@ -59,6 +62,25 @@ def test_a_foot_to_print_keeps_the_limits_under_every_law():
     chosen = under.k[[under.steadiest]]
     for law in LAWS:
         assert fo.evaluate(chosen, law.scene, QUICK, ("peak_power",), SMALL).values[0, 0] <= 260.0
+
+
+def test_a_sole_that_a_law_rules_out_is_evaluated_under_no_other():
+    """Its loss is then a lower bound, and worse than those of ten others, which are exact."""
+    references = [np.nanmin(j_w(EVERY, law.scene)) for law in LAWS[:3]]
+    problem = RobustProblem(LAWS[:3], "efficiency", SMALL, QUICK, references=references)
+    walks, alone = [], []
+    for law in LAWS[:3]:
+        evaluator = Evaluator(fo.FootProblem(law.scene, "efficiency", SMALL, QUICK))
+        alone.append(lambda k, one=evaluator: (walks.append(len(k)), one(k))[1])
+    race, at = Race(problem, alone), problem.record.index("efficiency")
+    batches = SMALL.random(400, seed=1, inside=True).reshape(20, 20, -1)
+    raced = np.concatenate([race(k)[0][:, at] for k in batches])
+    exact = problem.walk(batches.reshape(400, -1))[0][:, at]
+    np.testing.assert_array_less(raced, exact + 1e-12)
+    known = raced == exact
+    assert np.sort(exact)[: robust.KEPT].tolist() == np.sort(raced)[: robust.KEPT].tolist()
+    assert raced[~known].min() > np.sort(exact)[robust.KEPT - 1]
+    assert sum(walks) < 0.7 * 3 * 400
 
 
 def test_a_law_under_which_no_foot_walks_is_left_out():
