@@ -51,15 +51,19 @@ def translate(error: BaseException, overrides: Sequence[str]) -> FootoptError | 
     if "Config group override must be" in text:  # footopt sand=2.5
         group, choice = next((name, given[name]) for name in given if name in groups())
     if text.startswith("Ambiguous value for argument"):  # footopt sand.zeta=1,2
-        name, _, value = (override := text.split("'")[1]).partition("=")
-        hint = f"For a list: '{name}=[{value}]'. For a run of each: footopt -m {override}"
+        name, _, value = text.split("'")[1].partition("=")
+        measures = name == "objective" and all(f"constraint.{one}" in names for one in value.split(","))
+        each = ",".join(f"[{one}]" for one in value.split(",")) if measures else value
+        hint = f"For a run of each: footopt -m '{name}={each}'"
+        if measures or name == "effects" or name not in groups():
+            hint = f"For a list: '{name}=[{value}]'. {hint}"
         return SettingError(name, value, "one value", hint)
     if group:  # footopt sand=mud
         own = next((name for name in names if name.startswith(f"{group}.") and name != f"{group}.name"), "")
         is_number = own and choice.lstrip("-")[:1].isdigit()
         hint = f"A number needs its name, such as {own}={choice}." if is_number else ""
         if f"constraint.{choice}" in names:
-            hint = f"For a measure give a list: objective.names=[{choice}]."
+            hint = f"For a measure give a list: 'objective=[{choice}]'."
         return SettingError(group, choice, f"one of {', '.join(groups().get(group, []))}", hint)
     # footopt snad=soft; footopt study=doctor sand=soft; footopt effects.slope.angle=4, without effects=slope
     if isinstance(cause, (ConfigAttributeError, ConfigKeyError)) and key:

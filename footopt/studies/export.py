@@ -49,8 +49,7 @@ def run(study: Study) -> None:
             "notes": notes,
         },
         summary=[
-            f"{terminal.describe_foot(foot)}: {area:.0f} mm^2, {width:g} mm wide, {area * width:.0f} mm^3",
-            *notes,
+            f"{terminal.describe_foot(foot)}: {area:.0f} mm^2, {width:g} mm wide, {area * width:.0f} mm^3"
         ],
     )
 

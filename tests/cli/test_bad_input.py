@@ -92,7 +92,9 @@ COMMANDS = {
     "simulator=biped walker.mass=20": "walker.mass",
     "robot.duration=3": "robot.duration",
     "objective=torque": "objective",
-    "objective.names=[torque]": "objective.names = 'torque'",
+    "objective=[torque]": "objective.names = 'torque'",
+    "objective=distance,work": "'objective=[distance,work]'. For a run of each: footopt -m 'objective=[distance],[work]'",
+    "sand=soft,hard": "one value. For a run of each: footopt -m 'sand=soft,hard'",
     # settings that nothing reads
     "study=simulate foot.length=.18": "foot.length = 0.18",
     "study.draws=3": "study.draws",

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from footopt.report import style
 
 WORST = "error of the worst objective (%),\nnot exceeded by 95 % of the feet"
-HIGHEST = 2.5  # of zeta: what is shown of shallow measurements, whose zeta is noise
+SHOWN = (2.5, 97.5)  # %, of measurements: those that are furthest off are shallow, and noise
 
 
 @style.styled()
@@ -20,6 +20,8 @@ def work_precision(settings: Sequence[Any], presets: Sequence[Any]) -> Figure:
     for i, method in enumerate(dict.fromkeys(m.method for m in settings)):
         own = [m for m in settings if m.method == method]
         looks = style.marker(i) | {"ls": "-", "lw": 1.0, "ms": 4, "label": method.replace("_", " ")}
+        if method == presets[0].accuracy.stepper:
+            looks |= {"color": style.BEST, "lw": 2.0, "label": f"{looks['label']}, the default"}
         axes.plot([m.ms for m in own], [100.0 * m.error for m in own], **looks)
     for m in presets:
         axes.plot(m.ms, 100.0 * m.error, "o", mfc="none", mec="black", ms=10, mew=1.2)
@@ -38,14 +40,16 @@ def calibration(found: Any) -> Figure:
     """Force over the map's force at zeta 1 of measurements (`footopt.studies.calibrate.Calibration`)."""
     figure = style.new_figure(style.COLUMN, 2.5)
     axes = figure.subplots()
-    axes.axhspan(found.zeta.low, found.zeta.high, color=style.PALE, lw=0, label="95 % interval of $\\zeta$")
-    axes.axhline(found.zeta.value, color="black", lw=0.8, label="$\\zeta$")
+    axes.axhline(found.zeta.value, color="black", lw=0.8, label="$\\zeta$ of the sand")
+    axes.axhspan(found.zeta.low, found.zeta.high, color="0.85", lw=0, label="its 95 % interval", zorder=0)
     for i, name in enumerate(dict.fromkeys(found.set_up.tolist())):
         own = found.set_up == name
         looks = style.marker(i) | {"ms": 3, "alpha": 0.7, "label": name}
         axes.plot(1e3 * found.depth[own], found.local[own], **looks)
     axes.set(xlabel="depth (mm)", ylabel=r"local $\zeta$: force over the map's", xlim=(0.0, None))
-    axes.set_ylim(0.0, min(HIGHEST * found.zeta.value, 1.1 * float(np.max(found.local))))
+    ends = [*np.percentile(found.local, SHOWN), found.zeta.low, found.zeta.high]
+    low, high = min(ends), max(ends)
+    axes.set_ylim(low - 0.2 * (high - low), high + 0.2 * (high - low))
     axes.grid()
     style.legend_above(figure)
     return figure
