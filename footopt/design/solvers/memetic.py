@@ -1,9 +1,7 @@
 """The default solvers: the fewest walks by moves that suit a spline, descents, and restarts."""
 
-from __future__ import annotations
-
 from copy import deepcopy
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +15,7 @@ from footopt.design.fronts import nondominated, ranks
 from footopt.design.known import Known
 from footopt.design.solvers.model import RankModel
 from footopt.design.solvers.moves import IDLE, RandomInside, allowed, exchanged, shifted, shifts
+from footopt.design.solvers.pool import Pool
 from footopt.design.solvers.registry import WALKS, grown
 
 Array = NDArray[np.float64]
@@ -35,43 +34,6 @@ WORSE = 1e100  # than any value, for a model of ranks: an infeasible design, the
 FEW = 100  # parents of several objectives
 ENDS = 0.2  # share of a generation that goes for the best by one of several objectives alone
 FREE = 2 / 3  # share of their children that no model chooses, of a front up to FEW
-
-
-class Pool(NamedTuple):
-    """A population, and its heights, objectives and violation, a row each: pymoo asks every individual."""
-
-    pop: Any
-    X: Ints
-    F: Array
-    violation: Array
-
-    @classmethod
-    def of(cls, pop: Any) -> Pool:
-        """A population."""
-        X, F, violation = pop.get("X", "F", "CV")
-        return cls(pop, X.astype(np.int64), F.astype(float), violation[:, 0])
-
-    def take(self, rows: Any) -> Pool:
-        """Some of its designs."""
-        return Pool(*(column[rows] for column in self))
-
-    def joined(self, new: Pool) -> Pool:
-        """These and others."""
-        columns: Any = map(np.concatenate, zip(self[1:], new[1:], strict=True))
-        return Pool(Population.merge(self.pop, new.pop), *columns)
-
-    def by(self, objective: int) -> Pool:
-        """With one objective alone."""
-        return self._replace(F=self.F[:, [objective]])
-
-    def order(self) -> Ints:
-        """Places for one objective, best first: the feasible, then the least violation."""
-        return np.lexsort((self.F[:, 0], np.maximum(self.violation, 0.0)))
-
-    def front(self) -> Ints:
-        """Places of the non-dominated; without a feasible design those of least violation."""
-        rows = np.flatnonzero(self.violation <= max(self.violation.min(), 0.0))
-        return rows[nondominated(self.F[rows])]
 
 
 class Moves(Algorithm):

@@ -1,0 +1,51 @@
+"""`Pool`: a population with its columns, as solvers read it."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from pymoo.core.population import Population
+
+from footopt.design.fronts import nondominated
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+class Pool(NamedTuple):
+    """A population, and its heights, objectives and violation, a row each: pymoo asks every individual."""
+
+    pop: Any
+    X: Ints
+    F: Array
+    violation: Array
+
+    @classmethod
+    def of(cls, pop: Any) -> Pool:
+        """A population."""
+        X, F, violation = pop.get("X", "F", "CV")
+        return cls(pop, X.astype(np.int64), F.astype(float), violation[:, 0])
+
+    def take(self, rows: Any) -> Pool:
+        """Some of its designs."""
+        return Pool(*(column[rows] for column in self))
+
+    def joined(self, new: Pool) -> Pool:
+        """These and others."""
+        columns: Any = map(np.concatenate, zip(self[1:], new[1:], strict=True))
+        return Pool(Population.merge(self.pop, new.pop), *columns)
+
+    def by(self, objective: int) -> Pool:
+        """With one objective alone."""
+        return self._replace(F=self.F[:, [objective]])
+
+    def order(self) -> Ints:
+        """Places for one objective, best first: the feasible, then the least violation."""
+        return np.lexsort((self.F[:, 0], np.maximum(self.violation, 0.0)))
+
+    def front(self) -> Ints:
+        """Places of the non-dominated; without a feasible design those of least violation."""
+        rows = np.flatnonzero(self.violation <= max(self.violation.min(), 0.0))
+        return rows[nondominated(self.F[rows])]
