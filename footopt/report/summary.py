@@ -88,8 +88,8 @@ def load_all(pattern: str | Path) -> pandas.DataFrame:
     """All runs below folders, a row for each.
 
     Columns are `folder`, `overrides`, each setting by its full name in which several runs differ, each
-    objective, `hollow_mm`, `k`, the other numbers of result.json, `warnings` (how many), and `note`: why there
-    is no better result. A column that would be empty is left out.
+    objective, `hollow_mm`, `k`, the other numbers of result.json, `warnings` (how many), and `note`: why
+    there is no better result. A column that would be empty is left out.
 
     Parameters
     ----------

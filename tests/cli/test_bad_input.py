@@ -93,8 +93,7 @@ COMMANDS = {
     "robot.duration=3": "robot.duration",
     "objective=torque": "objective",
     "objective=[torque]": "objective.names = 'torque'",
-    "objective=distance,work": "'objective=[distance,work]'. For a run of each: footopt -m 'objective=[distance],[work]'",
-    "sand=soft,hard": "one value. For a run of each: footopt -m 'sand=soft,hard'",
+    "objective=distance,work": "'objective=[distance,work]'. For a run of each: footopt -m",
     # settings that nothing reads
     "study=simulate foot.length=.18": "foot.length = 0.18",
     "study.draws=3": "study.draws",
