@@ -229,8 +229,6 @@ for _kind in (Optimize, Simulate, Ladder, Stability, Audit, Paper, Robust, Trans
               Validate, Calibrate):  # fmt: skip
     STUDIES[_kind.name] = _kind, _of_module(_kind.name)
 
-BUILT_IN = tuple(STUDIES)  # names of footopt's own studies; plugins add theirs
-
 
 def choices() -> dict[str, dict[str, Any]]:
     """Choices of groups that the library and plugins know, and what each sets; those in conf/ join them."""
@@ -323,7 +321,7 @@ def read_by(study: str) -> tuple[str, ...]:
 
 def studies_that_read(name: str) -> str:
     """The studies that read a setting, as they are chosen; "" if there is none."""
-    return ", ".join(study for study in BUILT_IN if covers(name, read_by(study)))
+    return ", ".join(study for study in STUDIES if covers(name, read_by(study)))
 
 
 def not_read(name: str, value: object, study: str) -> SettingError:

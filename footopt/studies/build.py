@@ -22,7 +22,6 @@ from footopt.mujoco.robot import Robot
 from footopt.sand import GENERIC, MEDIA, Sand, StressMap
 from footopt.studies import (
     ALWAYS,
-    BUILT_IN,
     ONLY,
     SETTING_OF_GROUP,
     SearchSettings,
@@ -247,7 +246,7 @@ def check_read(config: Config, overrides: Iterable[str]) -> None:
         The study or its foot does not read one; the message says what does.
     """
     study, shape = config.study.name, config.foot.shape
-    for override in overrides if study in BUILT_IN else ():
+    for override in overrides:
         given = override.lstrip("+~/").partition("=")[0].partition("@")[0]
         group, dot, _ = given.partition(".")
         if group not in (*GROUPS, *SETTING_OF_GROUP):

@@ -8,6 +8,7 @@ from running import composed, unrender
 from study_pages import check_page
 
 from footopt import studies
+from footopt.errors import SettingError
 from footopt.studies.runs import run_study
 
 PLUGIN = """
@@ -27,6 +28,7 @@ def run(study):
 @dataclass
 class Settings(StudySettings):
     times: float = 1e3
+    reads = ("foot",)
 
 
 STUDIES["hollow"] = Settings, run
@@ -44,6 +46,8 @@ def test_it_is_found_by_its_name(tmp_path, capsys, monkeypatch):
     run_study(composed("study=hollow", "study.times=2e3", *words), tmp_path, {"any": 1})
     with pytest.raises(ConfigCompositionException, match=r"study\.time"):
         composed("study=hollow", "study.time=2e3", *words)
+    with pytest.raises(SettingError, match=r"^sand\.zeta = 2\.0: must be left out: study=hollow does not"):
+        run_study(composed("study=hollow", "sand.zeta=2", *words), tmp_path, {}, ["sand.zeta=2"])
     check_page(tmp_path)
     result = json.loads((tmp_path / "result.json").read_text())
     assert list(result) == ["study", "hollow", "settings", *MADE]
