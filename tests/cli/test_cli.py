@@ -11,7 +11,7 @@ from study_pages import check_page
 
 import footopt as fo
 from footopt.studies.runs import foot_of
-from footopt.walk import PRESETS, STEPPERS
+from footopt.walk import STEPPERS
 
 STEP = ["step"] if find_spec("OCP") else []  # needs footopt[cad]
 
@@ -72,55 +72,34 @@ class TestOptimize:
         assert {path.suffix for path in folder.glob("to_print.*")} >= {".csv", ".dxf", ".svg", ".stl"}
 
 
-@pytest.fixture(scope="module")
-def elsewhere(tmp_path_factory):
-    """The folder of a search in a world of its own."""
-    cwd = tmp_path_factory.mktemp("run")
+@pytest.mark.slow
+def test_the_foot_of_a_run_walks_in_its_world_but_for_what_is_given(tmp_path):
     world = ("walker.mass=40", "gait.period=1.3", "accuracy=draft", "sand=regular", "foot.width=0.08")
     words = [*world, "solver.pop_size=4", "solver.n_gen=2", "study.confirm=standard"]
-    done = footopt(*words, "hydra.run.dir=run", cwd=cwd)
+    done = footopt(*words, "hydra.run.dir=run", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    return cwd / "run"
+    words = ["study=simulate", "run=run", "report=none", "sand=hard", "walker.g=3", "hydra.run.dir=again"]
+    done = footopt(*words, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    result = json.loads((tmp_path / "again" / "result.json").read_text())
+    scene = fo.Scene(
+        sand=fo.Sand.named("hard"), gait=fo.Gait.human(period=1.3), walker=fo.Walker(mass=40.0, g=3.0)
+    )
+    walk = fo.simulate(foot_of(tmp_path / "run"), scene, "standard")
+    assert result["objectives"]["work"] == walk.objectives["work"]
+    assert result["design"]["width_m"] == 0.08
 
 
 @pytest.mark.slow
-class TestSimulateARun:
-    """study=simulate run=FOLDER: its foot, in its world but for what else is given."""
-
-    def simulated(self, elsewhere, *words, cwd):
-        done = footopt("study=simulate", f"run={elsewhere}", "report=none", *words, cwd=cwd)
-        assert done.returncode == 0, done.stderr
-        return json.loads((only_folder(cwd) / "result.json").read_text())
-
-    def test_elsewhere_only_what_is_given_is_another(self, elsewhere, tmp_path):
-        result = self.simulated(elsewhere, "sand=hard", "walker.g=3", cwd=tmp_path)
-        scene = fo.Scene(
-            sand=fo.Sand.named("hard"), gait=fo.Gait.human(period=1.3), walker=fo.Walker(mass=40.0, g=3.0)
-        )
-        walk = fo.simulate(foot_of(elsewhere), scene, "standard")
-        assert result["objectives"]["work"] == walk.objectives["work"]
-        assert result["design"]["width_m"] == 0.08
-
-
-class TestAccuracy:
-    @pytest.mark.slow
-    def test_errors_and_costs_of_every_stepper_and_preset_are_measured(self, tmp_path):
-        done = footopt("study=accuracy", "study.feet=3", "sand=soft", cwd=tmp_path)
-        assert done.returncode == 0, done.stderr
-        folder = only_folder(tmp_path)
-        result = json.loads((folder / "result.json").read_text())
-        with open(folder / "accuracy.csv", newline="") as file:
-            rows = list(csv.DictReader(file))
-        assert {r["stepper"] for r in rows} == set(STEPPERS)
-        for method in {r["method"] for r in rows} - {*PRESETS}:
-            errors = [float(r["error"]) for r in rows if r["method"] == method]
-            assert min(errors) <= errors[0], method  # of the coarsest rung
-        assert all(float(r["work"]) > 0 for r in rows)
-        errors = {row["method"]: row["error"] for row in result["presets"]}
-        assert 1.0 > errors["draft"] > errors["standard"] > errors["fine"]
-        assert "J_W ranks 0 % of the pairs of feet wrongly" in done.stdout
-        assert (folder / "figures" / "accuracy.png").is_file()
-        check_page(folder)
+def test_errors_of_every_stepper_and_preset_are_measured(tmp_path):
+    done = footopt("study=accuracy", "study.feet=3", "sand=soft", "hydra.run.dir=run", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    with open(tmp_path / "run" / "accuracy.csv", newline="") as file:
+        assert {row["stepper"] for row in csv.DictReader(file)} == set(STEPPERS)
+    result = json.loads((tmp_path / "run" / "result.json").read_text())
+    errors = {row["method"]: row["error"] for row in result["presets"]}
+    assert 1.0 > errors["draft"] > errors["standard"] > errors["fine"]
+    check_page(tmp_path / "run")
 
 
 def test_a_walk_that_sinks_is_a_result_with_a_reason(tmp_path):

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from running import BRIEF, LIMIT, QUICK, footopt, outcome, started, stored, tries, wait_for_designs
 
-from footopt.cli.compose import CONF
 from footopt.files import identity
 from footopt.files.identity import LOCK
 
@@ -136,22 +135,6 @@ class TestResume:
         done = footopt(*SMALL, "solver.n_gen=5", "hydra.run.dir=fresh", cwd=tmp_path)
         assert done.returncode == 0, done.stderr
         assert outcome(folder) == outcome(tmp_path / "fresh")
-
-    def test_runs_of_settings_of_one_s_own_are_resumed_as_they_were(self, tmp_path, monkeypatch):
-        own, ran = tmp_path / "mine", []
-        (own / "sand").mkdir(parents=True)
-        (own / "sand" / "dune.yaml").write_text("name: dune\nzeta: 3.3\n")
-        ours = "hydra:\n  searchpath: [file://CONF]\ndefaults: [config, {override sand: dune}, _self_]\n"
-        (own / "own.yaml").write_text(ours.replace("CONF", str(CONF)) + "walker: {mass: 44.0}\n")
-        monkeypatch.setattr("footopt.cli.run.run_study", lambda *of: ran.append(of))
-        words = ["-cp", str(own), "-cn", "own"]
-        assert footopt(*words, *QUICK, "hydra.run.dir=run", cwd=tmp_path).returncode == 0
-        config, folder, settings, *_ = ran[0]
-        identity.write(folder, settings, words)
-        shutil.rmtree(own)
-        assert footopt("resume=run", cwd=tmp_path).returncode == 0
-        assert ran[1][:3] == (config, folder, settings)
-        assert (config.sand.zeta, config.walker.mass) == (3.3, 44.0)
 
 
 @pytest.mark.slow

@@ -83,21 +83,6 @@ class TestJobs:
         assert (sweep / "report.html").is_file()
         assert "3 of the jobs failed" in done.stderr  # two that are refused, and a walk that sinks
 
-    def test_leave_their_numbers_alone_where_no_report_is_wanted(self, tmp_path):
-        """They are those of a longer report, in less than 100 kB."""
-        left, found = {}, {}
-        for report in ("none", "full"):
-            words = ["accuracy=draft", "solver.pop_size=4", "solver.n_gen=2", f"report={report}"]
-            done = footopt(*words, f"hydra.run.dir={report}", cwd=tmp_path)
-            assert done.returncode == 0, done.stderr
-            left[report] = {p.name: p.stat().st_size for p in (tmp_path / report).rglob("*") if p.is_file()}
-            found[report] = result_of(tmp_path / report)
-        assert sum(left["none"].values()) < 1e5
-        assert {"result.json", "contour.csv", "designs.sqlite"} <= set(left["none"])
-        assert not {"report.html", "walk.nc", "contour.stl", "designs.csv"} & set(left["none"])
-        for name in ("design", "objectives", "error_estimate", "validity"):
-            assert found["none"][name] == found["full"][name]
-
 
 @pytest.mark.parametrize("launcher", ["joblib", "submitit_local", "submitit_slurm"])
 def test_launchers_compose(launcher):

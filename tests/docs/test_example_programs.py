@@ -13,37 +13,6 @@ import footopt as fo
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
-@pytest.mark.slow
-def test_the_walker_of_gymnasium_walks_on_sand():
-    pytest.importorskip("mujoco")
-    pytest.importorskip("gymnasium")
-    step = runpy.run_path(str(EXAMPLES / "public_robot" / "control.py"))["step"]
-    model, feet = "pkg://gymnasium/envs/mujoco/assets/walker2d_v5.xml", ("foot", "foot_left")
-    sand = fo.Sand.named("regular")
-    robot = fo.mujoco.Robot(model, feet, step, sand, duration=3.0, after=1.0)
-    table = fo.evaluate([fo.Foot.flat()], robot, fo.Accuracy(dt=1e-3, plates=32), "distance")
-    assert table.feasible.all()
-    assert table.values[0, 0] > 1.0
-
-
-@pytest.mark.slow
-def test_an_environment_of_gymnasium_stands_on_sand():
-    for needed in ("mujoco", "imageio", "gymnasium"):
-        pytest.importorskip(needed)
-    import gymnasium
-
-    wrapper = runpy.run_path(str(EXAMPLES / "mujoco" / "gym_on_sand.py"))["OnSand"]
-    feet = dict.fromkeys(("foot", "foot_left"), fo.Foot.flat())
-    env = wrapper(gymnasium.make("Walker2d-v5"), feet, fo.Sand.named("hard"))
-    for seed in (1, 2):
-        env.reset(seed=seed)
-        for _ in range(10):
-            *_, info = env.step(np.zeros(6))
-        weight = 9.81 * env.unwrapped.model.body_mass.sum()
-        assert sum(force[2] for force in info["sand_force"].values()) == pytest.approx(weight, rel=0.2)
-    env.close()
-
-
 def test_sobol_indices_of_a_linear_model_are_those_of_its_coefficients():
     """10 + 3 zeta - 4 mass, in standard deviations: a variance of 25, of which 9 and 16 are theirs."""
     example = runpy.run_path(str(EXAMPLES / "sobol.py"))

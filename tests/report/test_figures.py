@@ -147,9 +147,6 @@ def test_a_contour_shows_sole_waypoints_box_and_hollow_in_mm(foot):
     assert drawn["_lower hull"].get_linestyle() == ":"
 
 
-# --- a search -------------------------------------------------------------------------------------
-
-
 # --- walks ----------------------------------------------------------------------------------------
 
 TRACES = {
@@ -194,6 +191,3 @@ def test_a_scatter_matrix_shows_each_pair_once_and_what_stands_out(table):
             looks = {(line.get_marker(), line.get_markerfacecolor()) for line in (points, more, star, square)}
             assert len(looks) == 4
     assert not any(grid[row, column].axison for row in range(4) for column in range(row + 1, 4))
-
-
-# --- studies --------------------------------------------------------------------------------------

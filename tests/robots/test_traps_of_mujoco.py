@@ -185,19 +185,6 @@ def test_rollouts_meet_sand_where_their_data_are_attached(request):
     assert together[:, -1] == pytest.approx(np.array(alone), abs=1e-13)
 
 
-def test_the_first_step_knows_of_no_other_force_but_gravity(block):
-    model, data, contact = block(height=0.03)
-    settle(model, data, 1.0)
-    place = data.qpos.copy()
-    mujoco.mj_resetData(model, data)
-    data.qpos[:] = place
-    data.qfrc_applied[0] = 40.0
-    mujoco.mj_step(model, data)
-    assert contact.wrench["foot"][0] == pytest.approx(0.0, abs=1e-6)
-    settle(model, data, 0.5)
-    assert contact.wrench["foot"][0] == pytest.approx(-40.0, rel=1e-3)
-
-
 LEG = """
 <mujoco>
   <option timestep="0.002" integrator="Euler"/>

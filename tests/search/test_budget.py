@@ -10,7 +10,6 @@ from threadpoolctl import threadpool_limits
 import footopt as fo
 from footopt.design import EXHAUSTIVE, Solver, search
 from footopt.design.solvers.memetic import Memetic
-from footopt.design.solvers.moves import shifts
 
 SEVEN = fo.Waypoints(n=7)
 GROWING = [("memetic", "efficiency"), ("archive", ["distance", "work"])]
@@ -106,20 +105,6 @@ def test_it_begins_anew_where_it_stalls_and_ends_where_nothing_is_new():
     inside = search(problem(space=fo.Waypoints(n=4, K=3)), EXHAUSTIVE)
     assert r.designs == inside.evaluations
     assert "by the solver" in r.stopped
-
-
-@pytest.mark.slow
-def test_a_search_that_stalls_goes_on_elsewhere():
-    algorithm = Memetic().setup(Ridge(), termination=("n_gen", 100), seed=1)
-    parents = set()
-    while algorithm.has_next():
-        algorithm.next()
-        parents.add(algorithm.parents)
-    assert len(parents) > 1  # begun anew, with more of them
-    best = algorithm.opt[0]
-    near = best.X + shifts(8)
-    near = near[((near >= 1) & (near <= 9)).all(axis=1)]
-    assert best.F[0] <= Ridge().evaluate(near)[0].min()  # and a descent before that
 
 
 def test_operators_that_are_given_take_the_place_of_moves():

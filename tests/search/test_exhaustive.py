@@ -13,7 +13,7 @@ import footopt as fo
 from footopt.design import Solver, search
 from footopt.design.scenarios import sands
 from footopt.design.solvers.exhaustive import batches
-from footopt.design.solvers.moves import ExchangeRun, ShiftRun, shifts
+from footopt.design.solvers.moves import shifts
 
 SPACE = fo.Waypoints(n=4, K=4)
 EVERYTHING = np.stack(np.meshgrid(*[range(1, 5)] * 4, indexing="ij"), axis=-1).reshape(-1, 4)
@@ -69,24 +69,6 @@ class TestMemetic:
             at = np.flatnonzero(move)
             assert len(at) == at[-1] - at[0] + 1
             assert abs(move[at].sum()) == len(at)
-
-    def test_a_mutation_shifts_one_run_by_one_level_and_stays_in_range(self):
-        x = fo.Waypoints().random(200, seed=1)
-        p = fo.FootProblem()
-        moved = ShiftRun()._do(p, x, random_state=np.random.default_rng(1))
-        assert moved.dtype == np.int64
-        assert ((moved >= 1) & (moved <= 10)).all()
-        difference = moved - x
-        assert set(np.unique(difference)) == {-1, 0, 1}
-        assert not ((difference == 1).any(axis=1) & (difference == -1).any(axis=1)).any()
-
-    def test_parents_exchange_one_run(self):
-        x = np.stack([np.full((50, 8), 1), np.full((50, 8), 9)])
-        p = problem(space=fo.Waypoints(n=8))
-        a, b = ExchangeRun()._do(p, x, random_state=np.random.default_rng(1))
-        np.testing.assert_array_equal(a + b, 10)
-        changes = np.abs(np.diff(np.pad(a, ((0, 0), (1, 1)), constant_values=1), axis=1)) > 0
-        assert (changes.sum(axis=1) == 2).all()
 
     @pytest.mark.slow
     @pytest.mark.parametrize(

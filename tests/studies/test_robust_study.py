@@ -74,23 +74,3 @@ class TestStudy:
         for gait in ((), ("gait=file", f"gait.path={path}", "gait.window=[0,1.2]")):
             with pytest.raises(SettingError, match=r"study\.spread\.period = None: must be a number, unless"):
                 make_spread(composed(*BRIEF, *gait, *null))
-
-
-@pytest.mark.slow
-def test_of_a_robot_the_robust_foot_is_judged_on_the_robot(tmp_path, monkeypatch):
-    pytest.importorskip("mujoco")
-    unrender(monkeypatch)
-    words = ["study=robust", "simulator=biped", "foot.n=5", "foot.K=4", "solver.walks=16",
-             "solver.pop_size=8", "accuracy=custom", "accuracy.dt=2e-3", "accuracy.plates=16",
-             "study.confirm=null", "robot.duration=1.4"]  # fmt: skip
-    run_study(composed(*words), tmp_path, {}, words)
-    result = json.loads((tmp_path / "result.json").read_text())
-    feet = np.array([*result["feet"].values()])
-    for sand in ("soft", "hard"):
-        robot = fo.mujoco.Robot(sand=fo.Sand.named(sand), duration=1.4)
-        walked = fo.evaluate(feet, robot, fo.Accuracy(dt=2e-3, plates=16), "efficiency", fo.Waypoints(5, 4))
-        values = walked.values[:, 0]
-        found = [result["regrets"][name][sand] for name in result["feet"]]
-        np.testing.assert_allclose(found, 1 - values / values[:3].min(), atol=1e-12)
-    assert result["model_error"] == {}
-    check_page(tmp_path)

@@ -113,13 +113,6 @@ class TestTraces:
         for name in ("distance", "mean_height", "work", "peak_power", "speed_loss"):
             assert long.objectives[name] == pytest.approx(short.objectives[name], rel=5e-5)
 
-    @pytest.mark.parametrize("zeta", [0.2, 1.0])
-    def test_half_a_second_of_standing_takes_few_evaluations(self, zeta, ramp_foot):
-        """First steps are not tried at lengths that are then halved, nor friction extrapolated at rest."""
-        accuracy = fo.Accuracy(dt=0.01, plates=56, control=2e-3)
-        walk = fo.simulate(ramp_foot, fo.Scene(sand=fo.Sand(zeta), t_f=0.52), accuracy)
-        assert walk.evaluations < 90
-
     def test_velocity_is_the_rate_of_the_position(self, fine_walk):
         rate = np.gradient(fine_walk.com, fine_walk.t, axis=0)[1:-1]
         np.testing.assert_allclose(rate, fine_walk.velocity[1:-1], rtol=0, atol=2e-3)
