@@ -172,22 +172,3 @@ def test_traces_are_the_walk_s_with_units_and_heel_strikes(name, hard, soft):
 
 
 # --- many designs ---------------------------------------------------------------------------------
-
-
-def test_a_scatter_matrix_shows_each_pair_once_and_what_stands_out(table):
-    other = table[:5] + 1.0
-    marks = {"chosen": table[7], "flat sole": table[8]}
-    figure = figures.scatter_matrix({"front": table, "other": other}, FIVE, marks)
-    grid = np.array(figure.axes).reshape(4, 4)
-    for row in range(4):
-        for column in range(row + 1):
-            points, more, star, square = (
-                line for line in grid[row, column].get_lines() if len(line.get_xdata())
-            )
-            np.testing.assert_array_equal(points.get_xydata(), table[:, [column, row + 1]])
-            np.testing.assert_array_equal(more.get_xydata(), other[:, [column, row + 1]])
-            np.testing.assert_array_equal(star.get_xydata()[0], table[7, [column, row + 1]])
-            np.testing.assert_array_equal(square.get_xydata()[0], table[8, [column, row + 1]])
-            looks = {(line.get_marker(), line.get_markerfacecolor()) for line in (points, more, star, square)}
-            assert len(looks) == 4
-    assert not any(grid[row, column].axison for row in range(4) for column in range(row + 1, 4))

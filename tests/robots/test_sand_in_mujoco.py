@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 from numba import njit
 
 import footopt as fo
-from footopt.effects import Inertia, Layers, LeadingEdge, Rest, Slope
-from footopt.errors import SettingError
+from footopt.effects import Inertia, Layers, LeadingEdge, Rest
 from footopt.gait.gait import Pose
 from footopt.mujoco import Grains, attach
 from footopt.mujoco.faces import stress
@@ -146,24 +145,6 @@ def test_stiffness_is_the_derivative_of_the_wrench(block):
         slopes = [(feel(contact, up, twist + e, **state)[0] - feel(contact, up, twist - e, **state)[0]) / 2e-6
                   for e in steps]  # fmt: skip
         assert stiffness == pytest.approx(np.stack(slopes, axis=1), abs=2e-4 * abs(stiffness).max())
-
-
-@pytest.mark.parametrize(
-    ("arguments", "what"),
-    [
-        ({"feet": {}}, "feet"),
-        ({"feet": {"hand": fo.Foot.flat()}}, "hand"),
-        ({"feet": {"foot": "sole"}}, "mesh geom"),
-        ({"effects": (Slope(5.0),)}, "gravity"),
-        ({"plates": 7}, "even"),
-    ],
-)
-def test_what_cannot_be_attached_is_said(block, arguments, what):
-    model, data, contact = block()
-    contact.detach()
-    given = {"feet": {"foot": fo.Foot.flat()}, "sand": HARD} | arguments
-    with pytest.raises(SettingError, match=what):
-        attach(model, data, **given)
 
 
 @njit

@@ -62,19 +62,25 @@ def test_a_foot_of_data_that_are_not_attached_does_not_fall_through(request):
         rollout.rollout(model, [mujoco.MjData(model)], start, nstep=500)
 
 
-def test_data_of_another_model_the_world_and_a_floor_are_refused():
-    model, floor = shared.block_model(), "<worldbody><geom name='floor' type='plane' size='1 1 1'/>"
+def test_what_cannot_be_attached_is_said():
+    floor = "<worldbody><geom name='floor' type='plane' size='1 1 1'/>"
     text = shared.BLOCK.format(dt=1e-3, integrator="Euler", height=0.03).replace("<worldbody>", floor)
-    on_floor = mujoco.MjModel.from_xml_string(text)
-    for data, of, foot, what in (
-        (mujoco.MjData(shared.block_model()), model, "foot", "data"),
-        (mujoco.MjData(model), model, "world", "feet"),
-        (mujoco.MjData(on_floor), on_floor, "foot", "model"),
+    model, on_floor = shared.block_model(), mujoco.MjModel.from_xml_string(text)
+    flat = {"foot": fo.Foot.flat()}
+    for of, data_of, feet, options, what in (
+        (model, shared.block_model(), flat, {}, "data"),
+        (on_floor, on_floor, flat, {}, "model"),
+        (model, model, {"world": fo.Foot.flat()}, {}, "feet"),
+        (model, model, {"hand": fo.Foot.flat()}, {}, "hand"),
+        (model, model, {}, {}, "feet"),
+        (model, model, {"foot": "sole"}, {}, "mesh geom"),
+        (model, model, flat, {"effects": (fo.Slope(5.0),)}, "gravity"),
+        (model, model, flat, {"plates": 7}, "even"),
     ):
         with pytest.raises(SettingError, match=what):
-            attach(of, data, {foot: fo.Foot.flat()}, HARD)
+            attach(of, mujoco.MjData(data_of), feet, HARD, **options)
     on_floor.geom("floor").contype = on_floor.geom("floor").conaffinity = 0
-    attach(on_floor, mujoco.MjData(on_floor), {"foot": fo.Foot.flat()}, HARD).detach()
+    attach(on_floor, mujoco.MjData(on_floor), flat, HARD).detach()
 
 
 def test_sand_that_loses_its_bristles_says_so(block, request):

@@ -76,13 +76,6 @@ class TestScenarios:
             middle = np.degrees(getattr(fo.Gait.human(), joint).at(phase)[0])
             np.testing.assert_allclose(np.mean(angles, axis=0), middle, atol=0.5)
 
-    def test_the_measured_foot_turns_with_the_shank(self):
-        scene = fo.Scene(gait=fo.Gait.human(pitch="measured"))
-        (moved,) = fo.draw(scene, replace(NOTHING, angles=3.0), 1)
-        p = np.linspace(0, 1, 5)
-        (_, shank, foot), (_, shank_moved, foot_moved) = (g.cycle(p) for g in (scene.gait, moved.scene.gait))
-        np.testing.assert_allclose(foot_moved[0] - foot[0], shank_moved[0] - shank[0], atol=1e-12)
-
     def test_nothing_spread_is_the_scene_itself(self):
         (same,) = fo.draw(fo.Scene(), NOTHING, 1)
         assert same.scene == fo.Scene()

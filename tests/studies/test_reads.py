@@ -3,7 +3,6 @@
 from copy import deepcopy
 
 import pytest
-from hydra.errors import ConfigCompositionException
 from running import composed
 
 from footopt.errors import SettingError
@@ -74,11 +73,3 @@ def test_every_study_says_what_it_reads_of_settings_that_there_are():
     for study, (settings, _) in STUDIES.items():
         for read in settings.reads:
             assert any(name == read or name.startswith(f"{read}.") for name in names), (study, read)
-
-
-def test_only_drawn_scenarios_read_how_far_they_lie_apart():
-    check_read(composed("study=robust", "study.scenarios=drawn"), ["study.spread.mass=0.1"])
-    with pytest.raises(SettingError, match=r"study\.spread\.mass = 0\.1: must be left out"):
-        check_read(composed("study=robust"), ["study.spread.mass=0.1"])
-    with pytest.raises(ConfigCompositionException, match=r"study\.spread\.mass"):
-        composed("study=simulate", "study.spread.mass=0.1")
