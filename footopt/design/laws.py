@@ -29,7 +29,7 @@ from footopt.walk.simulate import evaluate
 
 FIRST = 10  # soles that a search begins with
 LAST = 5  # best soles of the search under all laws that are evaluated again
-EVEN = 30  # designs of a generation: such a search begins near its end, and small ones take longer
+EVEN = 60  # designs of a generation, and an eighth of few: such a search begins near its end
 LEAST = 20  # evaluations of a search under a law
 REACH, STEPS = 32.0, 20  # factor by which zeta is moved either way until the order of two feet turns; steps
 
@@ -191,7 +191,9 @@ def candidates(
     walked, references, found, evaluators = [], [], [start], []
 
     def solver(walks: int) -> Solver:
-        return Solver(walks=walks, pop_size=min(EVEN, walks), seed=result.solver.seed).fitting(1)
+        return Solver(
+            walks=walks, pop_size=max(min(EVEN, walks // 8), FIRST), seed=result.solver.seed
+        ).fitting(1)
 
     with ExitStack() as opened:
         for law in laws:
