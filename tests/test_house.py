@@ -18,8 +18,6 @@ ROOMS = ("errors", "compiled", "sand", "effects", "foot", "gait", "walk", "mujoc
 SEAMS = {
     "pymoo": "design",
     "moocore": "design",
-    "dask": "design",
-    "distributed": "design",
     "hydra": "cli",
     "matplotlib": "report",
 }

@@ -166,7 +166,7 @@ def _resume_run(folder: Path, changes: Mapping[str, Any], given: Sequence[str]) 
     if FORCE in given and searches(study):
         settings.study.reuse = True
     for name, value in changes.items():
-        value = EngineConfig(name=value) if name == "engine" else value  # without engine.timeout
+        value = EngineConfig(name=value) if name == "engine" else value
         OmegaConf.update(settings, name, value, merge=False)
     plain: Any = OmegaConf.to_container(settings, resolve=True)
     check_resumable(folder, run.settings, plain)

@@ -1,4 +1,4 @@
-"""Where a search evaluates its designs: threads of this process, processes of loky, or workers of dask.
+"""Where a search evaluates its designs: threads of this process, processes of loky, or any executor's.
 
 Any `concurrent.futures.Executor` will do: it gets chunks, each the pickled problem and the heights of some
 designs. Results depend neither on the executor nor on the chunks, to the last bit: a worker whose versions or
@@ -8,7 +8,6 @@ processor would give other numbers refuses.
 import math
 import os
 import pickle
-import re
 import signal
 import sys
 import threading
@@ -22,42 +21,29 @@ import numpy as np
 
 from footopt.design.problem import Array, FootProblem, Ints, Words
 from footopt.design.store import ERROR, context, differences, listed
-from footopt.errors import EngineError, FootoptError, check, needed, shortened
+from footopt.errors import EngineError, FootoptError, check, shortened
 from footopt.walk.batch import at_once, available_threads
 
 IDLE = 3600.0  # s, for which a worker process stays without work
-ENGINES = ("local", "processes", "dask")
+ENGINES = ("local", "processes")
 EACH = 2  # chunks a worker and batch, so that a slow one does not keep the others waiting
 LARGEST = 1000  # designs in a chunk
 LONGEST = 480  # characters of the reason of a design
 DIED = "A worker process has died: it was killed, has crashed, or there was too little memory."
 
 
-def make_executor(
-    name: str = "local", workers: int | None = None, address: str | None = None, timeout: float = 10.0
-) -> AbstractContextManager[Executor | None]:
+def make_executor(name: str = "local", workers: int | None = None) -> AbstractContextManager[Executor | None]:
     """Return the executor of an engine, for a `with` statement.
 
     Parameters
     ----------
     name : str
-        "local", the threads of this process: None. "processes": loky's, each with one thread. "dask": the
-        workers of a dask scheduler, which needs footopt[dask].
+        "local", the threads of this process: None. "processes": loky's, each with one thread.
     workers : int, optional
         Processes; by default as many as processors.
-    address : str, optional
-        Of the dask scheduler.
-    timeout : float, s
-        For the scheduler to answer and to have a worker, or `EngineError`.
     """
     check(name in ENGINES, "engine", name, f"one of {', '.join(ENGINES)}")
     check(workers is None or name == "processes", "engine.workers", workers, f"null for engine={name}")
-    if name == "dask":
-        known = re.fullmatch(r"(tcp|tls|ucx|wss?)://.+:\d+", address or "")
-        check(known, "engine.address", address, "that of a scheduler (`dask scheduler`), tcp://host:port")
-        check(0 < timeout <= 1e5, "engine.timeout", timeout, "a time > 0 and <= 1e5, in s")
-        return _dask(str(address), timeout)
-    check(address is None, "engine.address", address, f"null for engine={name}")
     return _processes(at_once(workers, "engine.workers")) if name == "processes" else nullcontext()
 
 
@@ -90,23 +76,6 @@ def _start_worker(places: tuple[str, ...]) -> None:
 
 def _leave_interrupts() -> Any:
     return signal.signal(signal.SIGINT, signal.SIG_IGN)
-
-
-@contextmanager
-def _dask(address: str, timeout: float) -> Iterator[Executor]:
-    distributed = needed("distributed", "engine=dask", "dask")
-    try:
-        client = distributed.Client(address, timeout=timeout, set_as_default=False)
-        client.wait_for_workers(1, timeout=timeout)
-    except OSError:
-        raise EngineError(
-            f"engine.address = {address!r}: no scheduler that has a worker answers within {timeout:g} s "
-            f"(engine.timeout). Start them: `dask scheduler`, `dask worker {address} --nthreads 1`."
-        ) from None
-    with client:
-        executor = client.get_executor(pure=False)
-        executor.workers = sum(client.nthreads().values())
-        yield executor
 
 
 def walk(problem: FootProblem, k: Ints) -> tuple[Array, Words]:

@@ -288,7 +288,6 @@ ONLY: tuple[tuple[tuple[str, ...], str, Callable[[Config], bool]], ...] = (
      lambda c: c.simulator.name == "walker" or not c.robot.controller),
     (("robot.joints",), "a robot without robot.controller", lambda c: not c.robot.controller),
     (("effects.tolerance",), "effects=auto", lambda c: c.effects.auto or c.study.name == "effects"),
-    (("engine.timeout",), "engine=dask", lambda c: c.engine.name == "dask"),
     (("choose",), "objective=pareto, or a list of several", lambda c: len(c.objective.names) > 1),
     (("study.certify",), "a search for one objective", lambda c: len(c.objective.names) == 1),
     (("study.finalists",), "a search for one objective",

@@ -84,8 +84,7 @@ class Study(Output):
 
     def executor(self) -> AbstractContextManager[Executor | None]:
         """What evaluates the designs of a search, by the settings of `engine`."""
-        e = self.config.engine
-        return make_executor(e.name, e.workers, e.address, e.timeout)
+        return make_executor(self.config.engine.name, self.config.engine.workers)
 
     def store(self, problem: FootProblem) -> Store:
         """Where designs are kept; a `FootoptError` if other code would replace a finished run's result."""

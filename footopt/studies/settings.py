@@ -245,13 +245,9 @@ def _limits_class(names: tuple[str, ...]) -> Any:
 class EngineConfig:
     """Where designs are evaluated: see `footopt.design.make_executor`; threads are of this process."""
 
-    name: str = setting(default(make_executor, "name"), "Where designs are walked: local, processes, dask.")
+    name: str = setting(default(make_executor, "name"), "Where designs are walked: local, processes.")
     threads: int | None = setting(None, "Threads of this process; null: all processors.")
     workers: int | None = setting(None, "Processes, with engine=processes; null: as many as processors.")
-    address: str | None = setting(None, "Of the dask scheduler, with engine=dask.")
-    timeout: float = setting(
-        default(make_executor, "timeout"), "For a scheduler to answer and to have a worker, s."
-    )
 
 
 @dataclass
@@ -289,7 +285,7 @@ PATHS = ("foot.path", "gait.path", "robot.controller", "robot.model", "sand.tabl
          "study.run", "study.runs", "study.tests", "plugins")  # fmt: skip
 
 #: Settings by which a folder could have code run that nobody asked for, and files that a run writes.
-CODE, WRITTEN = ("plugins", "engine.address", "robot.controller"), ("study.store", "study.video")
+CODE, WRITTEN = ("plugins", "robot.controller"), ("study.store", "study.video")
 
 #: Settings that are values by names of the user's own, or null.
 BY_NAME = ("choose.weights", "choose.limits", "robot.joints")

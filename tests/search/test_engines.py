@@ -115,16 +115,3 @@ def test_processes_find_what_this_one_finds_and_one_that_dies_ends_the_search_wh
     resumed = search(problem("pareto", kind=Slow), "nsga2", None, path, **BUDGET)
     assert resumed.reused == len(resumed.k[resumed.generation <= 3])
     assert_same(undisturbed, resumed)
-
-
-@pytest.mark.slow
-def test_dask_finds_the_same_and_no_scheduler_is_said(undisturbed):
-    distributed = pytest.importorskip("distributed", reason="needs the extra footopt[dask]")
-    with pytest.raises(EngineError, match=r"'tcp://127\.0\.0\.1:1': no scheduler .* within 0\.5 s"):
-        make_executor("dask", address="tcp://127.0.0.1:1", timeout=0.5).__enter__()
-    here = {"processes": False, "dashboard_address": None, "host": "127.0.0.1", "protocol": "tcp"}
-    with (
-        distributed.LocalCluster(2, threads_per_worker=1, **here) as cluster,
-        make_executor("dask", address=cluster.scheduler_address, timeout=60.0) as there,
-    ):
-        assert_same(undisturbed, search(problem("pareto"), "nsga2", executor=there, **BUDGET))
