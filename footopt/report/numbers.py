@@ -4,12 +4,14 @@ import math
 
 from footopt.sand import Sand
 
+TINY = 1e-10  # of any quantity of a walk, in SI units: a rounding error
+
 
 def number(value: float) -> str:
     """Four significant digits: 2.134, 12346, -2.527e-4; 0 for a rounding error, a dash for no number."""
     if not math.isfinite(value):
         return "-"
-    if abs(value) < 1e-12:
+    if abs(value) < TINY:
         return "0"
     mantissa, power = f"{value:.3e}".split("e")
     if -3 <= int(power) < 5:

@@ -24,7 +24,7 @@ from footopt.effects import Effect, name_of
 from footopt.effects.base import parameters
 from footopt.foot import Foot, Waypoints
 from footopt.foot.waypoints import heights_text
-from footopt.report.numbers import change, number, percent, quantity, title
+from footopt.report.numbers import TINY, change, number, percent, quantity, title
 from footopt.sand.law import EARTH
 from footopt.walk import MEASURES, Scene, Simulator, gain_shares
 from footopt.walk.validity import Diagnostic
@@ -104,7 +104,7 @@ def objective_table(
     for name, value in values.items():
         o = MEASURES[name]
         cells = [f"{name.replace('_', ' ')} ({'max' if o.maximise else 'min'})", o.unit, number(value)]
-        cells.append(percent(abs(errors[name] / value)) if value else "-")
+        cells.append(percent(abs(errors[name] / value)) if abs(value) > TINY else "-")
         if flat:
             cells += [number(flat[name]), change(name, value, flat[name])]
         if gained:

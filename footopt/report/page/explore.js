@@ -17,6 +17,7 @@ function explorer(choose, beside, glimpse) {
     const sorted = Float64Array.from(all).sort(), at = (share) => sorted[Math.round(share * (sorted.length - 1))];
     return [at(0.025), at(0.975), ...[data.best, state.chosen].filter((i) => feasible[i]).map(c.of)];
   }
+  const scaleOf = (c, room, count) => zoom.value === "quantiles" ? quantileScale([...state.shown.map(c.of), c.flat], count) : evenScale(range(endsOf(c), room), count);
   const state = { limits: new Map(), chosen: data.best, shown: [], passing: [], near: -1, sort: null, way: 1 };
   for (const part of address.get("limits")?.split(",") ?? []) {
     const [name, low, high] = part.split("~");
@@ -43,7 +44,7 @@ function explorer(choose, beside, glimpse) {
     .map(([value, { title }]) => el("option", { value }, title)));
   if (front.size) which.value = "front";
   const zoom = el("select", { id: "zoom", change: () => { ends.clear(); redraw(); } },
-    ...[["all", "all designs"], ["most", "95 % of them"], ["limits", "those within the limits"]].map(([value, text]) => el("option", { value }, text)));
+    ...[["all", "all designs"], ["most", "95 % of them"], ["limits", "those within the limits"], ["quantiles", "quantiles"]].map(([value, text]) => el("option", { value }, text)));
   if (!front.size && COUNT > 100) zoom.value = "most";
   const save = el("button", { type: "button", id: "save", click: () => download("designs.csv", [["design", ...COLUMNS.map((c) => c.name === "efficiency" ? "J_W_of_flat" : c.name)],
     ...state.passing.map((i) => [data.designs.labels ? JSON.stringify(label(i)) : numbers[i], ...COLUMNS.map((c) => +c.of(i).toPrecision(7))])].map((row) => row.join(",") + "\n").join(""), "text/csv") }, "CSV of these");
@@ -81,7 +82,7 @@ function explorer(choose, beside, glimpse) {
       numbers ? " A design's number is its row in designs.csv, from 0." : "",
       COUNT > MOST ? ` Of more than ${MOST} lines an even selection is drawn.` : "",
       front.size && entry.front_size > front.size ? ` Of the ${entry.front_size} designs on the front ${front.size} are here.` : ""),
-    el("div", { class: "bar" }, which.length > 1 ? el("label", {}, "designs", which) : null, el("label", {}, "zoom to", zoom), el("label", {}, "colour by", shade), scale, clear, save, count),
+    el("div", { class: "bar" }, which.length > 1 ? el("label", {}, "designs", which) : null, el("label", {}, "axes span", zoom), el("label", {}, "colour by", shade), scale, clear, save, count),
     data.runs ? legend(every.map((i) => ({ name: label(i), ...runLine(i) }))) : null,
     scrolled("Parallel axes", wide),
     axesBox,
@@ -181,9 +182,9 @@ function explorer(choose, beside, glimpse) {
     pen.rect(0, top - 3, width, bottom - top + 6); // what is beyond the zoom is not drawn
     pen.clip();
     const X = (c) => 70 + (c * (width - 140)) / Math.max(order.length - 1, 1);
-    const scales = order.map((c) => (c.maximise ? endsOf(c) : endsOf(c).slice().reverse())); // worst, best
-    const Y = (c, v) => { const [worst, best] = scales[c]; return best === worst ? (top + bottom) / 2 : bottom + ((v - worst) / (best - worst)) * (top - bottom); };
-    const fromY = (c, y) => { const [worst, best] = scales[c]; return worst + ((y - bottom) / (top - bottom)) * (best - worst); };
+    const scales = order.map((c) => scaleOf(c, 0, 5)), better = (c, share) => (order[c].maximise ? share : 1 - share); // the best at the top
+    const Y = (c, v) => bottom + better(c, scales[c].to(v)) * (top - bottom);
+    const fromY = (c, y) => scales[c].from(better(c, (y - bottom) / (top - bottom)));
     const line = (of) => path(order.map((c, j) => [X(j), Y(j, of(c))]));
     const lines = (all, style, thick) => { // more would be a solid block, or too faint to be seen
       const some = all.filter((_, n) => n % Math.ceil(all.length / MOST) === 0);
@@ -206,12 +207,11 @@ function explorer(choose, beside, glimpse) {
     }
     overlay(a, wide, (i, stroke, thick) => [svg("path", { d: line((c) => c.of(i)), fill: "none", stroke, "stroke-width": thick })]);
     order.forEach((c, j) => {
-      const [low, high] = scales[j].slice().sort((u, v) => u - v), marks = ticks(low, high, 5);
       const name = c.title.split(" ").reduce((rows, word) => ((rows.at(-1) + word).length > 13 ? [...rows, word] : [...rows.slice(0, -1), `${rows.at(-1)} ${word}`.trim()]), [""]).filter(Boolean);
       drawing.append(
         svg("line", { class: "axis", x1: X(j), x2: X(j), y1: top, y2: bottom, "data-axis": c.name }),
-        ...(high > low ? marks.values : [low]).flatMap((v) => [svg("line", { class: "axis", x1: X(j) - 4, x2: X(j), y1: Y(j, v), y2: Y(j, v) }),
-          svg("text", { class: "halo", x: X(j) - 7, y: Y(j, v) + 4, "text-anchor": "end" }, high > low ? tickText(v, marks) : number(v))]),
+        ...scales[j].marks.flatMap(([v, text]) => [svg("line", { class: "axis", x1: X(j) - 4, x2: X(j), y1: Y(j, v), y2: Y(j, v) }),
+          svg("text", { class: "halo", x: X(j) - 7, y: Y(j, v) + 4, "text-anchor": "end" }, text)]),
         svg("text", { class: "axis-name", y: 12, "text-anchor": "middle", style: "font-weight:600" },
           ...[...name.slice(0, 2), c.unit ? `(${c.unit})` : ""].map((text, row) => svg("tspan", { x: X(j), y: 12 + 14 * row }, text)), svg("title", {}, named(c))),
         svg("rect", { class: "grip", "data-grip": c.name, x: X(j) - 20, y: 0, width: 40, height }));
@@ -275,7 +275,7 @@ function explorer(choose, beside, glimpse) {
 
   function drawScatter() {
     const cx = columnOf(across.value), cy = columnOf(up.value);
-    const a = axes(flat, { x: range(endsOf(cx)), y: range(endsOf(cy)),
+    const a = axes(flat, { x: scaleOf(cx, 0.05, 6), y: scaleOf(cy, 0.05, 8),
       xlabel: named(cx), ylabel: named(cy), height: 400, left: 72,
       label: `Scatter of ${state.shown.length} designs: ${named(cy)} over ${named(cx)}` });
     const pen = canvas(flat, a), colour = colours();

@@ -84,7 +84,7 @@ function gain(i) {
     const between = j ? ends.map((v) => v.toFixed(2)).join(" to ") : ends.map((v) => change(v, 1, {})).join(" to ");
     return [`${j ? `J_W ${(value / base).toFixed(2)} times the flat foot's` : `${data.columns[c].title} ${change(value, base, data.columns[c])}`}${under.length ? ` (${between} under ${laws} other law${laws > 1 ? "s" : ""} of sand${doubtful(value / base - 1, under)})` : ""}`];
   });
-  return told.length ? el("p", { id: "gain" }, el("strong", {}, told.join("; "))) : "";
+  return told.length ? el("p", { class: "gain" }, el("strong", {}, told.join("; "))) : "";
 }
 
 /** All values of a design, with their errors, beside those of the flat foot. */
@@ -159,7 +159,7 @@ function glance() {
   let chosen = data.best;
   const show = (i = chosen, keep = true) => {
     if (keep) chosen = i;
-    section.replaceChildren(el("h3", {}, label(i)), el("figure", {}, soleDrawing(sole(i), { width: widthOf(section), height: 90, plain: true,
+    section.replaceChildren(el("h3", {}, label(i)), entry.flat ? gain(i) : "", el("figure", {}, soleDrawing(sole(i), { width: widthOf(section), height: 90, plain: true,
       top: own("top", i), colour: colourOf(i), ghost: data.walks && flatWalk()?.points })),
     scrolled("Values of the chosen design", valueTable(i)),
     el("p", {}, el("a", { href: "#design" }, "the whole answer"), ", ", el("a", { href: "#walk" }, "its walk")));

@@ -63,11 +63,11 @@ function redrawn(drawing, parts) {
   while (drawing.childNodes.length > parts.length) drawing.lastChild.remove();
 }
 
-const ROUNDING = 1e-12; // what is smaller is no motion, force or power
+const ROUNDING = 1e-12, TINY = 1e-10; // what is smaller is no motion, force or power; no number that is told
 /** Four significant digits, as on the terminal. */
 function number(value) {
   if (value === null || !Number.isFinite(value)) return "–";
-  if (Math.abs(value) < ROUNDING) return "0";
+  if (Math.abs(value) < TINY) return "0";
   if (Number.isInteger(value) && Math.abs(value) < 1e5) return String(value).replace("-", "−");
   const [mantissa, power] = value.toExponential(3).split("e").map(Number);
   const text = power < -3 || power >= 5 ? `${mantissa}e${power}` : String(Number(value.toFixed(Math.max(3 - power, 0))));
@@ -76,7 +76,7 @@ function number(value) {
 const OF_FLAT = "x of flat";
 const quantity = (value, unit) => unit === OF_FLAT ? `${value.toFixed(2)} x the flat foot's` : number(value) + (unit ? ` ${unit}` : "");
 /** A share of 1 with two digits; a dash where it is of nothing but rounding. */
-const percent = (share, of = 1) => Number.isFinite(share) && Math.abs(of) > ROUNDING ? `${share < ROUNDING ? 0 : +(100 * share).toPrecision(2)} %` : "–";
+const percent = (share, of = 1) => Number.isFinite(share) && Math.abs(of) > TINY ? `${share < ROUNDING ? 0 : +(100 * share).toPrecision(2)} %` : "–";
 const named = (column) => column.title + (column.unit ? ` (${column.unit})` : "");
 
 /** Some round numbers from low to high. */
@@ -110,27 +110,51 @@ function widthOf(holder) {
   return Math.max(widths.get(holder), 200);
 }
 
-/** Axes in a holder: an empty drawing with scales from numbers to pixels and back. */
+/** A scale: the share of an axis at which a value is, the value at a share, and round values with their texts. */
+function evenScale([low, high], count) {
+  const marks = ticks(low, high, count);
+  return { to: (v) => (high > low ? (v - low) / (high - low) : 0.5), from: (share) => low + share * (high - low),
+    marks: high > low ? marks.values.map((v) => [v, tickText(v, marks)]) : [[low, number(low)]] };
+}
+/** A scale of quantiles: equal lengths hold equally many of the values. */
+function quantileScale(values, count) {
+  const sorted = Float64Array.from(values.filter(Number.isFinite)).sort(), last = sorted.length - 1;
+  const from = (share) => {
+    const place = clip(share, 0, 1) * last, i = Math.floor(place);
+    return sorted[i] + (place - i) * ((sorted[i + 1] ?? sorted[i]) - sorted[i]);
+  };
+  const to = (v) => {
+    let low = 0, high = last;
+    while (high - low > 1) {
+      const middle = (low + high) >> 1;
+      if (sorted[middle] <= v) low = middle; else high = middle;
+    }
+    return (low + clip((v - sorted[low]) / (sorted[high] - sorted[low] || 1), 0, 1)) / (last || 1);
+  };
+  return { to, from, marks: Array.from({ length: count + 1 }, (_, i) => [from(i / count), number(from(i / count))]) };
+}
+
+/** Axes in a holder: an empty drawing with scales, or ranges of even ones, from numbers to pixels and back. */
 function axes(holder, { x, y, xlabel, ylabel, height, label, left = 58 }) {
   const width = widthOf(holder), right = 26, top = 22, bottom = xlabel ? 40 : 22;
-  const place = (low, high, from, to) => (v) => from + ((v - low) / (high - low || 1)) * (to - from);
+  const across = x.marks ? x : evenScale(x, Math.max(3, width / 90)), up = y.marks ? y : evenScale(y, Math.max(3, height / 45));
+  const wide = width - right - left, high = top - height + bottom;
   const drawing = svg("svg", { viewBox: `0 0 ${width} ${height}`, height, role: "img", "aria-label": label });
   const made = {
     svg: drawing, width, height,
-    X: place(...x, left, width - right), Y: place(...y, height - bottom, top),
-    fromX: place(left, width - right, ...x), fromY: place(height - bottom, top, ...y),
+    X: (v) => left + across.to(v) * wide, Y: (v) => height - bottom + up.to(v) * high,
+    fromX: (px) => across.from((px - left) / wide), fromY: (px) => up.from((px - height + bottom) / high),
     inside: { left, right: width - right, top, bottom: height - bottom },
   };
-  const across = ticks(...x, Math.max(3, width / 90)), up = ticks(...y, Math.max(3, height / 45));
-  for (const v of up.values) {
+  for (const [v, text] of up.marks) {
     drawing.append(
       svg("line", { class: "gridline", x1: left, x2: width - right, y1: made.Y(v), y2: made.Y(v) }),
-      svg("text", { x: left - 6, y: made.Y(v) + 4, "text-anchor": "end" }, tickText(v, up)));
+      svg("text", { x: left - 6, y: made.Y(v) + 4, "text-anchor": "end" }, text));
   }
-  for (const v of across.values) {
+  for (const [v, text] of across.marks) {
     drawing.append(
       svg("line", { class: "axis", x1: made.X(v), x2: made.X(v), y1: height - bottom, y2: height - bottom + 4 }),
-      svg("text", { x: made.X(v), y: height - bottom + 16, "text-anchor": "middle" }, tickText(v, across)));
+      svg("text", { x: made.X(v), y: height - bottom + 16, "text-anchor": "middle" }, text));
   }
   drawing.append(
     svg("line", { class: "axis", x1: left, x2: width - right, y1: height - bottom, y2: height - bottom }),

@@ -45,21 +45,23 @@ def walk_content(walk: Walk, entry: dict[str, Any], flat: Walk | None = None) ->
     entry = {name: value for name, value in entry.items() if others or name != "flat"}
     foot, values = walk.foot, entry.get("objectives", walk.objectives)
     space = foot.space if foot.k is not None else None
+    given = foot.k is not None and foot.name.startswith("k=")  # the page tells k beside the sole
+    name = "as given" if given else title(foot.name)
     return {
         **_common(entry, walk.scene, tuple(values), walk.accuracy, foot, walk),
-        "title": f"A walk on {place(walk.world)}: {title(foot.name)}",
+        "title": f"A walk on {place(walk.world)}{f': {name}' * (not given)}",
         "headline": [describe_scene(walk.scene)],
         "space": space and spline(space),
         "top": foot.top,
         "designs": {
             "values": packed(np.array([list(values.values())], float)),
-            "labels": [title(foot.name)],
+            "labels": [name],
             "feasible": [int(walk.feasible)],
             "reasons": [walk.reason],
             **({"k": packed(np.array(foot.k))} if space else {"soles": [packed(foot.contour)]}),
         },
         "best": 0,
-        "walks": [_traces(walk, title(foot.name), 0), *others],
+        "walks": [_traces(walk, name, 0), *others],
     }
 
 
