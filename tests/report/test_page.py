@@ -108,8 +108,8 @@ def test_a_drag_along_an_axis_filters_both_figures_and_a_row_is_chosen(front, pa
     shown["#explore tbody button"].click()
     chosen = int(re.search(r"design (\d+)", shown.text("#design-title"))[1])
     assert chosen == max(result.front, key=lambda i: result.column("distance")[i])
-    scale = "quantileScale([9, 1, NaN, 2, 100, 3], 4)"
-    assert shown.js(f"[{scale}.to(3), {scale}.from(0.5), {scale}.from(1), {scale}.to(-7)]") == [0.5, 3, 100, 0]
+    s = "quantileScale([9, 1, NaN, 2, 100, 3], 4)"
+    assert shown.js(f"[{s}.to(3), {s}.from(0.5), {s}.from(1), {s}.to(-7)]") == [0.5, 3, 100, 0]
     link = shown.js("location.href")
     browser.get("about:blank")
     browser.get(link)  # opens the page as it was left
