@@ -9,6 +9,7 @@ import pytest
 
 import footopt as fo
 from footopt.walk.discretize import HALVINGS, NEWTON, time_grid
+from footopt.walk.phases import step_on_patch
 from footopt.walk.validity import diagnose
 
 
@@ -149,3 +150,11 @@ class TestValidity:
             told = diagnose(fo.simulate(fo.Foot.flat(space), scene, "draft"))
             assert [d.outside for d in told if "length" in d.name] == [True]
         assert not [d for d in diagnose(fo.simulate(fo.Foot.flat(), fo.Scene())) if "length" in d.name]
+
+
+@pytest.mark.parametrize(("begin", "step"), [(-1.0, 0), (0.9, 1), (9.0, 0)])
+def test_the_step_that_is_shown_is_the_first_on_a_patch_or_the_first_of_all(walk, begin, step):
+    patch = fo.Patches((begin,), (10.0,), (2.0,))
+    on_patch = replace(walk, scene=replace(walk.scene, effects=(patch,)))
+    assert step_on_patch(walk) == 0
+    assert step_on_patch(on_patch) == step
