@@ -26,6 +26,7 @@ from typing import Any
 HERE = Path(__file__).resolve().parents[1]
 #: The rooms that are broken, and the folder of the tests of each.
 ROOMS = {"sand": "physics", "effects": "physics", "gait": "physics", "walk": "walk", "design": "search"}
+FIRST = {"walk": ["walk/test_identity.py"]}  # of its tests: it finds most, and compiles little
 LIMIT = 900.0  # s, for the tests of one mutation
 SWAPS = {
     ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult, ast.Pow: ast.Mult,
@@ -113,8 +114,9 @@ def main() -> None:
         for number in chosen:
             path, line, was, now, text = found[number - 1]
             (copy / path).write_text(text, encoding="utf-8")
-            first = ROOMS[path.parts[1]]
-            by = failed(copy, [first]) or failed(copy, [room for room in rooms if room != first])
+            own = ROOMS[path.parts[1]]
+            by = failed(copy, [*FIRST.get(own, ()), own])
+            by = by or failed(copy, [room for room in rooms if room != own])
             caught += bool(by)
             print(f"| {number} | {path}:{line} | `{was}` | `{now}` | {by or '**nothing**'} |", flush=True)
             shutil.copy2(HERE / path, copy / path)

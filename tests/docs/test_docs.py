@@ -1,4 +1,4 @@
-"""The pages keep their word: commands compose, those of the first pages run, and links resolve."""
+"""The pages keep their word: commands compose, those of the first pages run, linked files are there."""
 
 import os
 import re

@@ -1,4 +1,4 @@
-"""The tutorial notebook runs from top to bottom and shows what its words say."""
+"""The tutorial notebook runs from top to bottom."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Files to make a foot from hold the foot, in millimetres, or say why they cannot be written."""
+"""Files to make a foot from hold the foot, in millimetres."""
 
 import csv
 import json

@@ -1,4 +1,4 @@
-"""The true optimum: every design of a small space, and moves that suit a spline."""
+"""The true optimum: every design of a small space; and what the default search makes of large ones."""
 
 from functools import partial
 
@@ -61,7 +61,7 @@ class TestExhaustive:
         assert sorted(map(tuple, r.k[r.front])) == sorted(map(tuple, exact))
 
 
-class TestMemetic:
+class TestTheDefaultSearch:
     def test_shifts_are_every_run_of_neighbours_once(self):
         moves = shifts(6)
         assert len(np.unique(moves, axis=0)) == len(moves) == 6 * 7

@@ -1,4 +1,4 @@
-"""Large fronts: what is kept of them, how their hypervolume is followed, and that a search stays linear."""
+"""Large fronts: what is kept of them, and how their hypervolume is followed."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Earlier runs side by side: found by name or pattern, told where they are, and never mixed up."""
+"""Earlier runs side by side: found by name or pattern, and told where they are."""
 
 import csv
 

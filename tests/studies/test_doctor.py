@@ -1,7 +1,6 @@
-"""study=doctor holds a walk to the published numbers, as the README does."""
+"""study=doctor holds a walk to the published numbers."""
 
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,8 +11,6 @@ from footopt.studies import Doctor, doctor
 from footopt.studies.runs import run_study
 from footopt.studies.settings import Config
 from footopt.walk.reference import PUBLISHED, RAMP
-
-ROOT = Path(fo.__file__).parent.parent
 
 
 def examine(folder):

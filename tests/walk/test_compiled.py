@@ -1,4 +1,4 @@
-"""Compiled code is kept on disk by what it is compiled from, whoever else compiles at once."""
+"""Compiled code is kept on disk by what it is compiled from."""
 
 import sys
 from pathlib import Path

@@ -1,10 +1,14 @@
 """A walk that its numerics do not resolve is said to be one."""
 
+import math
 from dataclasses import replace
 
 import pytest
 
 import footopt as fo
+from footopt.walk import discretize
+from footopt.walk.accuracy import PRESETS
+from footopt.walk.ladder import numerics
 from footopt.walk.resolution import BEYOND, resolution
 
 
@@ -34,3 +38,10 @@ def test_the_smallest_numbers_that_are_allowed_can_be_refined(ramp_foot):
     scene = fo.Scene(t_f=1.5)
     least = fo.Accuracy(dt=5e-3, plates=20, creep=1e-12, control=1e-12)
     assert fo.estimate_error(ramp_foot, scene, least)["distance"] >= 0.0
+
+
+def test_a_walk_too_long_to_be_refined_has_no_error_estimate(ramp_foot, monkeypatch):
+    rows = discretize.pose_rows(fo.Scene(), numerics(PRESETS["draft"], fo.Scene(), ramp_foot))
+    monkeypatch.setattr(discretize, "ROWS", 1.5 * rows)
+    assert fo.simulate(ramp_foot, accuracy="draft").feasible
+    assert all(map(math.isnan, fo.estimate_error(ramp_foot, accuracy="draft").values()))

@@ -77,6 +77,12 @@ class TestFailures:
 
 
 class TestTraces:
+    def test_steps_divide_the_walk_and_are_not_longer_than_dt(self):
+        assert fo.Accuracy(dt=1e-3).steps(2.9) == 2900
+        assert fo.Accuracy(dt=2e-3).steps(0.3 + 2.6) == 1450
+        assert fo.Accuracy(dt=1.0).steps(0.1) == 1
+        assert fo.Accuracy(dt=0.3).steps(1.0) == 4
+
     def test_times_are_equal_steps_that_end_at_t_f_and_long_ones_while_standing(self, ramp_foot):
         walk = fo.simulate(ramp_foot, fo.Scene(), fo.Accuracy(dt=7e-3))
         start, dt = 0.5, walk.accuracy.dt
