@@ -5,13 +5,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from feet_in_sand import momentum_gap
 
 import footopt as fo
 from footopt.effects import Slope
+from footopt.walk.balances import energy_gap
 
 
 class TestSlope:
-    @pytest.mark.slow
+    @pytest.mark.parametrize("angle", [-8.0, 8.0])
+    def test_momentum_and_energy_close_in_tilted_gravity(self, angle, regular, ramp_foot):
+        walk = fo.simulate(ramp_foot, replace(regular, effects=(Slope(angle),)))
+        np.testing.assert_allclose(momentum_gap(walk), 0.0, rtol=0, atol=1e-9)
+        assert energy_gap(walk) < 1e-3
+
     def test_uphill_shortens_downhill_lengthens_alike_to_first_order(self, regular, ramp_foot):
         """What differs is of second order: its share doubles with the angle."""
 
@@ -27,7 +34,6 @@ class TestSlope:
         assert abs(shares[0]) < 0.05
         assert shares[1] == pytest.approx(2.0 * shares[0], rel=0.2)
 
-    @pytest.mark.slow
     def test_who_stands_on_10_deg_only_creeps(self, ramp_foot):
         """The sand carries the tilted weight; what motion is left is the smoothing's, and goes with it."""
         gait, slope = fo.Gait.human(start=math.inf), Slope(10.0)
