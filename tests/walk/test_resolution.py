@@ -3,10 +3,11 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 import footopt as fo
-from footopt.walk import discretize
+from footopt.walk import FIVE, discretize
 from footopt.walk.accuracy import PRESETS
 from footopt.walk.ladder import numerics
 from footopt.walk.resolution import BEYOND, resolution
@@ -31,6 +32,19 @@ def test_a_warning_names_what_causes_the_error(setting, value, ramp_foot):
     assert found.outside
     assert found.limit == pytest.approx(100.0 * BEYOND * 0.0005)  # of `fine`, %
     assert f"accuracy.{setting}" in found.why
+
+
+def test_an_estimate_is_twice_what_two_refinements_change(ramp_foot):
+    """The distance to the walk refined twice, and what is left from there."""
+    accuracy = fo.Accuracy(dt=8e-3, plates=40, creep=1e-4, control=8e-4)
+    once = fo.Accuracy(dt=4e-3, plates=80, creep=5e-5, control=1e-4)
+    twice = fo.Accuracy(dt=2e-3, plates=160, creep=2.5e-5, control=1.25e-5)
+    values, finer, finest = (
+        fo.evaluate(ramp_foot, accuracy=one).values[0] for one in (accuracy, once, twice)
+    )
+    expected = 2.0 * (abs(values - finest) + abs(finer - finest))
+    found = fo.estimate_error(ramp_foot, accuracy=accuracy)
+    np.testing.assert_allclose([found[name] for name in FIVE], expected, rtol=1e-9)
 
 
 def test_the_smallest_numbers_that_are_allowed_can_be_refined(ramp_foot):
