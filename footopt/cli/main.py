@@ -1,6 +1,5 @@
 """The command `footopt`: Hydra composes the settings, a study is run with them, errors become one message."""
 
-import itertools
 import logging
 import math
 import os
@@ -17,6 +16,7 @@ from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.errors import HydraException
 from hydra.experimental.callback import Callback
 from hydra.types import RunMode
+from hydra.utils import get_class
 from omegaconf import DictConfig, OmegaConf, open_dict
 from omegaconf.errors import OmegaConfBaseException
 
@@ -73,8 +73,6 @@ def _job(settings: DictConfig) -> Any:
     alone = here.mode != RunMode.MULTIRUN
     try:
         found = execute(resolved(settings, overrides, str(here.job.config_name)), folder, overrides)
-    except KeyboardInterrupt:
-        sys.exit(STOPPED)
     except (FootoptError, OmegaConfBaseException, OSError, MemoryError) as error:
         if alone and _wants_traceback:
             raise
@@ -124,16 +122,13 @@ class Multirun(Callback):
 
 def _jobs(config: DictConfig, name: str) -> Iterator[tuple[str, DictConfig, list[str]]]:
     """Folder, settings and overrides of every job; none for a sweeper that goes by results."""
-    if not config.hydra.sweeper._target_.endswith(".BasicSweeper"):
+    split = getattr(get_class(config.hydra.sweeper._target_), "split_arguments", None)
+    if split is None:
         return
     own = [f"{name}={value}" for name, value in (config.hydra.sweeper.params or {}).items()]
-    values = [
-        [f"{override.get_key_element()}={value}" for value in override.sweep_string_iterator()]
-        if override.is_sweep_override()
-        else [str(override.input_line)]
-        for override in OverridesParser.create().parse_overrides([*own, *task_overrides(config.hydra)])
-    ]
-    for number, overrides in enumerate(map(list, itertools.product(*values))):
+    parsed = OverridesParser.create().parse_overrides([*own, *task_overrides(config.hydra)])
+    (jobs,) = split(parsed, None)  # in batches of any size
+    for number, overrides in enumerate(jobs):
         every = [*task_overrides(config.hydra, "hydra"), *overrides]
         settings = compose(name, every, return_hydra_config=True)
         with open_dict(settings):

@@ -125,11 +125,10 @@ def _changes(given: Sequence[str]) -> dict[str, Any]:
     overrides = hydra_overrides([one for one in given if not one.startswith(("resume=", TRUST, FORCE))])
     for one in overrides:
         check_may_change(one)
-    found = {}
-    for change in OverridesParser.create().parse_overrides(overrides):
+    changes = OverridesParser.create().parse_overrides(overrides)
+    for change in changes:
         check(not change.is_sweep_override(), "resume", change.input_line, "one value")
-        found[change.get_key_element()] = change.value()
-    return found
+    return {change.get_key_element(): change.value() for change in changes}
 
 
 def _resume_job(job: Path, changes: Mapping[str, Any], given: Sequence[str]) -> None:

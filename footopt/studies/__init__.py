@@ -255,7 +255,7 @@ def bringing(group: str, choice: Any, others: Mapping[str, str]) -> Any:
 
 
 #: Read for every study: how it is run, not what is asked. A constraint is refused elsewhere.
-ALWAYS = ("study.name", "plugins", "report", "engine.name", "engine.threads", "constraint")
+ALWAYS = ("study.name", "plugins", "report", "engine.threads", "constraint")
 
 
 def _of_run(config: Config) -> bool:
@@ -280,6 +280,7 @@ ONLY: tuple[tuple[tuple[str, ...], str, Callable[[Config], bool]], ...] = (
     (("foot.upright",), *_of("reversed_l")),
     (OUTLINE, *_of("outline")),
     (("foot.shape", *WORN), "study=simulate without run", lambda c: not _of_run(c)),
+    (("gait.path",), "gait=file", lambda c: c.gait.name != "human"),
     (("gait.names", "gait.side", "gait.window"), "gait=file gait.path=walk.mot", lambda c: bool(c.gait.path)),
     (("robot",), "simulator=robot, biped", lambda c: c.simulator.name != "walker"),
     (("walker", "scene", "effects.auto", "study.spread.mass"), "simulator=walker",

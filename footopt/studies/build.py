@@ -31,7 +31,6 @@ from footopt.studies import (
     within,
 )
 from footopt.studies.settings import (
-    BY_NAME,
     PATHS,
     STUDIES,
     Config,
@@ -88,8 +87,6 @@ def make_sand(config: SandConfig) -> Sand:
 def make_gait(config: GaitConfig) -> Gait:
     """The gait of the settings."""
     if config.name == "human":
-        if config.path is not None:
-            raise SettingError("gait.path", config.path, "null with gait=human", "Use gait=file with a path.")
         gait = Gait.human(harmonics=config.harmonics)
     elif config.path is None:
         raise SettingError("gait.path", None, f"a file, with gait={config.name}", "Try gait.path=walk.csv.")
@@ -126,12 +123,9 @@ def check_searchable(config: FootConfig) -> None:
 
 def make_foot(config: FootConfig) -> Foot:
     """The one sole of the settings: foot.k, a shape, a drawing, or else the flat sole."""
-    if config.path is not None and config.shape != "outline":
-        raise SettingError("foot.path", config.path, "null without foot=outline", "Add foot=outline.")
     if config.shape == "waypoints":
         space = make_space(config)
         return Foot.flat(space) if config.k is None else Foot.from_waypoints(config.k, space)
-    check(config.k is None, "foot.k", config.k, f"null with foot.shape={config.shape}")
     worn: dict[str, Any] = {name: getattr(config, name) for name in ("width", "closed", "top")}
     worn["ankle"] = _ankle(config)
     if config.shape == "outline":
@@ -197,11 +191,7 @@ def make_limits(config: Config) -> dict[str, float]:
 def make_choice(config: Config) -> Choice:
     """Which design of a front the settings choose."""
     choose = config.choose
-    choice = Choice(choose.name, choose.weights or {}, choose.limits or {})
-    if len(config.objective.names) == 1 and choice != Choice():  # a file may have chosen it
-        hint = "Search several, such as objective=pareto, or limit one: constraint.work=200."
-        raise SettingError("choose", choose.name, "left out with one objective", hint)
-    return choice
+    return Choice(choose.name, choose.weights or {}, choose.limits or {})
 
 
 def make_problem(config: Config, scene: Scene | Simulator) -> FootProblem:
@@ -277,8 +267,6 @@ def check_values(config: Config) -> None:
         elif isinstance(value, list):
             plain = all(isinstance(v, (int, float, str)) and v == v for v in value)
             check(plain, name, value, "a list of plain values")
-        elif name in BY_NAME:
-            check(value is None or isinstance(value, dict), name, value, "values by name: {work: 2}")
 
 
 def checked(config: Config, overrides: Iterable[str]) -> Config:
@@ -288,8 +276,6 @@ def checked(config: Config, overrides: Iterable[str]) -> Config:
     check(name in STUDIES, "study.name", name, f"one of {', '.join(STUDIES)}")
     check(isinstance(config.study, STUDIES[name][0]), "study.name", name, f"chosen as a group: study={name}")
     check_read(config, overrides)
-    if config.engine.name != "local" and not isinstance(config.study, SearchSettings):
-        raise SettingError("engine", config.engine.name, f"local for study={name}")
     reads, simulator = read_by(name), config.simulator.name
     if simulator != "walker" and covers("walker", reads) and not covers("simulator", reads):
         raise SettingError("simulator", simulator, f"walker for study={name}")

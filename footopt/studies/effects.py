@@ -43,9 +43,9 @@ class Audit(NamedTuple):
     effect: Effect
     changes: Array  # (FIVE,), relative, not exceeded by 95 % of the feet; NaN if no foot walks in both
     shifts: Array  # (FIVE,), the median change with its sign
-    tau: float  # Kendall's, of J_W over the feet without and with it: 1 is the same ranking
-    lost: int  # feet that walk without it and fail with it
-    cost: float  # time of a walk with it over that without it
+    kendall_tau: float  # Kendall's, of J_W over the feet without and with it: 1 is the same ranking
+    walks_lost: int  # feet that walk without it and fail with it
+    time_ratio: float  # time of a walk with it over that without it
     tolerance: float  # the relative change that matters
 
     @property
@@ -56,7 +56,7 @@ class Audit(NamedTuple):
     @property
     def matters(self) -> bool:
         """Whether it changes an objective by more than the tolerance, or makes walks fail."""
-        return self.lost > 0 or not bool((self.changes <= self.tolerance).all())
+        return self.walks_lost > 0 or not bool((self.changes <= self.tolerance).all())
 
     @property
     def verdict(self) -> str:
@@ -65,22 +65,19 @@ class Audit(NamedTuple):
         says = f"{self.name} changes {FIVE[worst].replace('_', ' ')} by {percent(self.changes[worst])}"
         limit = f"your {percent(self.tolerance)}"
         if self.matters:
-            fails = f", {self.lost} walks fail" if self.lost else ""
+            fails = f", {self.walks_lost} walks fail" if self.walks_lost else ""
             return f"{says}{fails}: above {limit}, keep it"
-        return f"{says}: below {limit}, leave it out, saves {100 * (1 - 1 / self.cost):.0f} %"
+        return f"{says}: below {limit}, leave it out, saves {100 * (1 - 1 / self.time_ratio):.0f} %"
 
     @property
     def entry(self) -> dict[str, Any]:
         """In result.json."""
         return {
+            **self._asdict(),
             "effect": name_of(self.effect),
             "parameters": parameters(self.effect),
             "changes": dict(zip(FIVE, self.changes.tolist(), strict=True)),
             "shifts": dict(zip(FIVE, self.shifts.tolist(), strict=True)),
-            "kendall_tau": self.tau,
-            "walks_lost": self.lost,
-            "time_ratio": self.cost,
-            "tolerance": self.tolerance,
             "matters": self.matters,
             "verdict": self.verdict,
         }
@@ -128,7 +125,7 @@ def table(found: Sequence[Audit]) -> Table:
         cells = [
             f"{'+' if shift > 0 else '-'}{percent(change).removesuffix(' %')}" for change, shift in pairs
         ]
-        shown.add_row(a.name, *cells, f"{a.tau:.2f}", f"x {a.cost:.2f}")
+        shown.add_row(a.name, *cells, f"{a.kendall_tau:.2f}", f"x {a.time_ratio:.2f}")
     return shown
 
 
@@ -173,9 +170,9 @@ def audit(
         effect=effect,
         changes=np.percentile(np.abs(change), QUANTILE, axis=0) if len(change) else none,
         shifts=np.median(change, axis=0) if len(change) else none,
-        tau=kendalltau(*ranked).statistic if both.sum() > 1 else np.nan,
-        lost=int((without.feasible & ~with_.feasible).sum()),
-        cost=statistics.median(ratios),
+        kendall_tau=kendalltau(*ranked).statistic if both.sum() > 1 else np.nan,
+        walks_lost=int((without.feasible & ~with_.feasible).sum()),
+        time_ratio=statistics.median(ratios),
         tolerance=tolerance,
     )
 
@@ -235,8 +232,7 @@ def choose_effects(study: Study, foot: Foot | None = None) -> tuple[Scene | Simu
     for effect in every_effect(scene):
         if effect.literature and effect not in given:
             with study.compiling(f"a walk with {name_of(effect)}"):
-                evaluate(feet[:1], switched(effect, scene)[1], accuracy, space=space)
-            audits[name_of(effect)] = found = audit(effect, scene, feet, accuracy, limit, space)
+                audits[name_of(effect)] = found = audit(effect, scene, feet, accuracy, limit, space)
             scene = switched(effect, scene)[found.matters]
     for name, found in audits.items():
         if found.matters and len(scene.effects) > len(given) + 1:

@@ -1,10 +1,8 @@
 """How do I make this foot? The foot of a run that is over, as files for a workshop."""
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from rich.table import Table
 from shapely import Polygon
 
 from footopt.errors import SettingError
@@ -36,9 +34,10 @@ def run(study: Study) -> None:
     area = float(Polygon(outline).area)
     caption = "The outline of every file, with its sole (blue) and ankle (+), in mm."
     study.save("drawing", figures.drawing(foot, block), caption)
+    rows = [(path.name, HOLDS[path.suffix], f"{1e-3 * path.stat().st_size:.1f}") for path in written]
     study.conclude(
         "A foot to make",
-        [table(written)],
+        [terminal.table(("file", "holds", "kB"), ("file", "holds"), rows=rows)],
         {
             "run": folder,
             "design": foot_entry(foot),
@@ -52,9 +51,3 @@ def run(study: Study) -> None:
             f"{terminal.describe_foot(foot)}: {area:.0f} mm^2, {width:g} mm wide, {area * width:.0f} mm^3"
         ],
     )
-
-
-def table(written: Sequence[Path]) -> Table:
-    """Files for the terminal and the page."""
-    rows = ((path.name, HOLDS[path.suffix], f"{1e-3 * path.stat().st_size:.1f}") for path in written)
-    return terminal.table(("file", "holds", "kB"), ("file", "holds"), rows=rows)

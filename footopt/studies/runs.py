@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
@@ -71,6 +71,13 @@ class Study(Output):
         """The accuracy that what a search found is walked again at: study.confirm, or the search's own."""
         confirm = self.options.confirm
         return confirming(confirm, self.accuracy) if confirm else self.accuracy
+
+    def some_of(self, known: Collection[str], name: str = "cases") -> list[str]:
+        """The names that a setting of the study lists, or all that are `known` where it is null."""
+        given = getattr(self.options, name)
+        allowed = f"null for all, or some of: {', '.join(known)}"
+        check(given is None or (given and {*given} <= {*known}), f"study.{name}", given, allowed)
+        return [*known] if given is None else given
 
     def solver(self) -> Solver:
         """The solver of a search; raises a `SettingError`, before any walk, where it does not fit."""

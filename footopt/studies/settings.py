@@ -206,7 +206,9 @@ class RobotConfig:
     model: str | None = setting(None, "File of MJCF or URDF; null: that of simulator=biped.")
     feet: list[str] = setting(default(Robot, "feet"), Robot)
     controller: str | None = setting(None, "FILE.py:FUNCTION, or a CSV; null: servos track the gait.")
-    joints: Any = setting(None, "That track it: {JOINT: left_hip, OTHER: -right_knee}; null: by these names")
+    joints: dict[str, str] | None = setting(
+        None, "That track it: {JOINT: left_hip, OTHER: -right_knee}; null: by these names"
+    )
     duration: float | None = setting(None, Robot)
     after: float | None = setting(None, Robot)
     key: str | None = setting(None, Robot)
@@ -227,8 +229,8 @@ class ChooseConfig:
     """Which design of a front is the answer where there are several objectives."""
 
     name: str = setting(Choice.by, "Which design of a front is the answer.")
-    weights: Any = setting(None, Choice)
-    limits: Any = setting(None, Choice)
+    weights: dict[str, float] | None = setting(None, Choice)
+    limits: dict[str, float] | None = setting(None, Choice)
 
 
 def no_limits() -> Any:
@@ -286,9 +288,6 @@ PATHS = ("foot.path", "gait.path", "robot.controller", "robot.model", "sand.tabl
 
 #: Settings by which a folder could have code run that nobody asked for, and files that a run writes.
 CODE, WRITTEN = ("plugins", "robot.controller"), ("study.store", "study.video")
-
-#: Settings that are values by names of the user's own, or null.
-BY_NAME = ("choose.weights", "choose.limits", "robot.joints")
 
 #: Settings that may change when a run goes on: how long, where and with what it ends, not what is searched.
 CHANGEABLE = (

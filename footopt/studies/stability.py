@@ -14,14 +14,12 @@ import numpy as np
 from rich.text import Text
 
 from footopt.effects import bristle_length
-from footopt.errors import check
 from footopt.foot import Foot
 from footopt.report import terminal
 from footopt.report.figures.tables import verdicts
 from footopt.report.numbers import percent
 from footopt.report.output import foot_entry, scene_entry
 from footopt.studies.runs import Study
-from footopt.studies.settings import Config
 from footopt.studies.stability_cases import CASES, Case
 from footopt.walk import FIVE, STEPPERS, Accuracy, Scene, Walk, simulate
 from footopt.walk.accuracy import AnyAccuracy
@@ -109,7 +107,9 @@ class Verdict(NamedTuple):
 
 def run(study: Study) -> None:
     """Judge every case with every method."""
-    cases, methods = chosen(study.config)
+    known = {case.name: case for case in CASES}
+    cases = [known[name] for name in study.some_of(known)]
+    methods = study.some_of(METHODS, "methods")
     base = study.foot, study.scene, study.accuracy
     with study.compiling("every method"):
         for stepper in {METHODS[method][0] for method in methods}:
@@ -146,18 +146,6 @@ def run(study: Study) -> None:
         },
         summary=["Where a method is not stable: the measure that is furthest beyond its limit.", STANDS],
     )
-
-
-def chosen(config: Config) -> tuple[list[Case], list[str]]:
-    """The cases and methods that the settings name; null is all."""
-    cases = {case.name: case for case in CASES}
-    names = []
-    for key, known in (("cases", list(cases)), ("methods", list(METHODS))):
-        given = getattr(config.study, key)
-        names.append(known if given is None else given)
-        allowed = f"null for all, or some of: {', '.join(known)}"
-        check(bool(names[-1]) and {*names[-1]} <= {*known}, f"study.{key}", given, allowed)
-    return [cases[name] for name in names[0]], names[1]
 
 
 def judge_case(

@@ -4,7 +4,6 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 
-from footopt.errors import check
 from footopt.report import terminal
 from footopt.report.figures.validation import experiment, law_name, overview
 from footopt.studies.runs import Study
@@ -18,12 +17,8 @@ MET = ("in all quantities", "in some", "in none")
 
 def run(study: Study) -> None:
     """Repeat every experiment under its laws."""
-    known, cases = experiments(), study.options.cases
-    names = list(known) if cases is None else cases
-    check(bool(names), "study.cases", cases, f"null, or some of {', '.join(known)}")
-    for name in names:
-        check(name in known, "study.cases", name, f"one of {', '.join(known)}")
-    chosen = [e for e in known.values() if e.name in names]
+    known = experiments()
+    chosen = [known[name] for name in study.some_of(known)]
     found: list[Comparison] = []
     with study.progress(sum(len(e.content["laws"]) for e in chosen), "law") as step:
         for e in chosen:

@@ -51,7 +51,7 @@ COMMANDS = {
     "study.laws=-1": "study.laws = -1",
     "report=some": "report = 'some'",
     "study=simulate foot.k=[1,2,3]": "foot.k = [1, 2, 3]",
-    "study=validate study.cases=[Wheel]": "study.cases = 'Wheel'",
+    "study=validate study.cases=[Wheel]": "study.cases = ['Wheel']",
     "study=paper study.cases=[foot.colour]": "study.cases",
     "study=stability study.cases=[flying]": "study.cases",
     "study=robust study.measure=median": "study.measure = 'median'",

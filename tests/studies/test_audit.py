@@ -14,8 +14,8 @@ def test_an_effect_that_acts_is_kept_and_says_what_it_changes():
     assert found.matters
     assert "keep it" in found.verdict
     assert "leave it out" in found._replace(tolerance=10.0).verdict
-    assert 0.0 < found.tau < 1.0
-    assert found.lost == 0
+    assert 0.0 < found.kendall_tau < 1.0
+    assert found.walks_lost == 0
     with_ = fo.evaluate(FEET, fo.Scene(effects=(fo.Slope(10.0),)), "draft").values
     without = fo.evaluate(FEET, fo.Scene(), "draft").values
     expected = np.percentile(np.abs(with_ / without - 1.0), 95.0, axis=0)
