@@ -207,29 +207,27 @@ def foot_of(folder: Path, k: list[int] | None = None, which: str = "best") -> Fo
     try:
         result = files.read_json_file(folder / "result.json", "run")
         design, saved = result["design"], FootConfig(**result["settings"]["foot"])
-        if which != "best":
-            here = "best: this run has searched no foot to print"
-            check(which == "to_print" and "to_print" in result, "study.foot", which, here)
-            design = result["to_print"]
-        of_space = saved.shape == "waypoints" and design["k"] is not None
-        check(k is None or of_space, "foot.k", k, f"null: the run's foot is {saved.shape}")
-        if k is not None:
-            return build.make_foot(replace(saved, k=k))
-        if design["k"] is not None:
-            foot = build.make_foot(replace(saved, k=design["k"]))
-        else:  # the contour itself: a drawing that it came from may have changed
-            worn = {"width": design["width_m"], "ankle": tuple(design["ankle_m"])}
-            foot = read_foot(folder / "contour.csv", **worn, closed=saved.closed, top=saved.top)
-        return replace(foot, name=str(design["name"]))
-    except SettingError:
-        raise
-    except (FileError, LookupError, TypeError, ValueError) as error:
+    except (FileError, LookupError, TypeError) as error:
         missing = not os.path.exists(folder / "result.json")
         why = identity.missing_file_error(folder, "result.json") if missing else f"{error}".rstrip(".")
         raise FileError(
             f"run = {str(folder)!r}: not the folder of a run with one foot ({why}). "
             "Give one of study=optimize or simulate."
         ) from None
+    if which != "best":
+        here = "best: this run has searched no foot to print"
+        check(which == "to_print" and "to_print" in result, "study.foot", which, here)
+        design = result["to_print"]
+    if k is not None:
+        of_space = saved.shape == "waypoints" and design["k"] is not None
+        check(of_space, "foot.k", k, f"null: the run's foot is {saved.shape}")
+        return build.make_foot(replace(saved, k=k))
+    if design["k"] is not None:
+        foot = build.make_foot(replace(saved, k=design["k"]))
+    else:  # the contour itself: a drawing that it came from may have changed
+        worn = {"width": design["width_m"], "ankle": tuple(design["ankle_m"])}
+        foot = read_foot(folder / "contour.csv", **worn, closed=saved.closed, top=saved.top)
+    return replace(foot, name=str(design["name"]))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -322,7 +320,6 @@ class Run:
         config = self.config
         if config.study.name != "optimize":
             raise SettingError("study.name", config.study.name, "optimize, to search again")
-        build.check_searchable(config.foot)
         problem = build.make_problem(config, self.scene)
         solver = Solver(**vars(config.solver) | budget)
         path = self.folder / (config.study.store or "designs.sqlite")
