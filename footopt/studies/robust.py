@@ -22,7 +22,6 @@ from footopt.files import io as files
 from footopt.files.feet import write_foot
 from footopt.foot import Foot
 from footopt.report import figures, terminal
-from footopt.report.figures import tables
 from footopt.report.output import foot_entry, scene_entry
 from footopt.report.progress import report_generations
 from footopt.studies import build
@@ -87,7 +86,8 @@ def run(study: Study) -> None:
     soles = {name: Foot.from_waypoints(k.tolist(), judge.space) for name, k in feet.items()}
     foot = replace(soles[ROBUST], name=ROBUST)
     _write_files(study, judge, compared, foot, result)
-    _save_figures(study, judge, compared, soles)
+    shown = soles if len(soles) <= 1 + SHOWN else {ROBUST: soles[ROBUST]}
+    study.save("contours", figures.contours(shown), "The specialists' soles and the robust one.")
     model = model_error(simulate(foot, scene, finer), spread=make_spread(config).zeta)
     objectives, names = judge.walk(feet[ROBUST][None])[0][0], [s.name for s in scenarios]
     study.conclude(
@@ -191,16 +191,6 @@ def _write_files(
         study.write_csv("regrets.csv", ["foot", "scenario", *judge.record, "reason", "regret"], rows)
         files.write_csv(study.folder / "designs.csv", result.columns)
         write_foot(foot, study.folder / "contour.dxf")
-
-
-def _save_figures(study: Study, judge: RobustProblem, compared: Comparison, soles: dict[str, Foot]) -> None:
-    """The soles and the regrets."""
-    caption = "The specialists' soles and the robust one."
-    study.save(
-        "contours", figures.contours(soles if len(soles) <= 1 + SHOWN else {ROBUST: soles[ROBUST]}), caption
-    )
-    regrets = tables.regrets(compared.regrets, compared.names, [s.name for s in judge.scenarios])
-    study.save("regrets", regrets, "The loss of each foot in each scenario against the best specialist.")
 
 
 def table(judge: RobustProblem, compared: Comparison) -> RichTable:
