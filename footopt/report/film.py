@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
-import subprocess
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
@@ -39,10 +37,8 @@ def check_film(path: str | Path, setting: str = "path") -> Path:
             f"{path}: an .mp4 needs the program ffmpeg, which is not installed (apt, conda or brew install "
             f"ffmpeg). A .gif needs nothing: try {path.with_suffix('.gif').name}."
         )
-    with suppress(OSError):
+    with suppress(OSError):  # `write_whole` says where it cannot write
         path.parent.mkdir(parents=True, exist_ok=True)
-    if not os.access(path.parent, os.W_OK) or path.is_dir():
-        raise FileError(f"{path}: cannot be written. Choose a file in a folder that can.")
     return path
 
 
@@ -73,7 +69,7 @@ def animate(walk: Walk, path: str | Path, fps: int = 25, speed: float = 0.5, dpi
     SettingError
         The file has another ending, or a number cannot be used.
     FileError
-        ffmpeg is missing or fails, or the file cannot be written.
+        ffmpeg is missing, or the file cannot be written.
     """
     path = check_film(path)
     check(0 < fps <= 100, "fps", fps, "a number of frames per second > 0 and <= 100")
@@ -81,28 +77,20 @@ def animate(walk: Walk, path: str | Path, fps: int = 25, speed: float = 0.5, dpi
     check(20 <= dpi <= 600, "dpi", dpi, "a number of dots per inch from 20 to 600")
     if len(walk.t) == 0:
         raise FootoptError(f"{path}: there is nothing to film, the walk failed at once: {walk.reason}.")
-    kind: Any
-    kind, rate = (PillowWriter, gif_rate(fps)) if path.suffix.lower() == ".gif" else (FFMpegWriter, fps)
-    at = times(walk, rate, speed)
+    gif, rate = path.suffix.lower() == ".gif", float(fps)
+    if gif:  # its frames last whole hundredths of a second, two or more; the writer rounds down
+        rate = math.nextafter(100.0 / max(round(100.0 / fps), 2), 0.0)
+    kind: Any = PillowWriter if gif else FFMpegWriter
+    at, writer = times(walk, rate, speed), kind(rate)
     most, hint = f"such that a GIF has at most {FRAMES} frames, not {len(at)}", "Make an .mp4."
-    check(len(at) <= FRAMES or kind is not PillowWriter, "speed", speed, most, hint)
-    writer = kind(rate)
-    try:
-        with walk.camera() as camera, write_whole(path) as new:
-            figure, show = scene_of(walk, at, speed, camera)
-            with writer.saving(figure, str(new), dpi):
-                for i in range(len(at)):
-                    show(i)
-                    writer.grab_frame()
-    except subprocess.CalledProcessError as error:
-        raise FileError(f"{path}: the film cannot be written; ffmpeg ends with {error.returncode}.") from None
+    check(len(at) <= FRAMES or not gif, "speed", speed, most, hint)
+    with walk.camera() as camera, write_whole(path) as new:
+        figure, show = scene_of(walk, at, speed, camera)
+        with writer.saving(figure, str(new), dpi):
+            for i in range(len(at)):
+                show(i)
+                writer.grab_frame()
     return path
-
-
-def gif_rate(fps: float) -> float:
-    """Frames per second of a GIF, whose frames last two hundredths of a second or more."""
-    # just below: the writer cuts off what 1000 / rate has behind the point
-    return math.nextafter(100.0 / max(round(100.0 / fps), 2), 0.0)
 
 
 def times(walk: Walk, fps: float, speed: float) -> Array:
@@ -122,15 +110,15 @@ def scene_of(walk: Walk, t: Array, speed: float, camera: Any = None) -> tuple[An
     left, right, low, high = stage.limits
     high = max(high, 1.05 * camera.top) if camera else high
     wide = min(right - left, WIDEST * (high - low))
-    deep = min(float(stage.body.sole[..., 1].min()), 0.0) - 1.1 * LONGEST
-    largest = max(float(np.linalg.norm(stage.forces.force, axis=-1).max()), 1e-9)
+    deep = min(float(stage.sole[..., 1].min()), 0.0) - 1.1 * LONGEST
+    largest = max(float(np.linalg.norm(stage.force, axis=-1).max()), 1e-9)
     heights = [(PAGE - 0.6) * (high - low) / wide, (PAGE - 0.6) * ASPECT]
     figure = new_figure(PAGE, sum(heights) + 0.9)
     whole, near = figure.subplots(2, 1, height_ratios=heights)
     figure.suptitle(f"{title(walk.foot.name)} on {sand_title(walk.world.sand)}, {speed:g} × real time")
 
     def show(i: int) -> None:
-        hip = float(stage.body.hip[i, 0])
+        hip = float(stage.legs[i, 0, 0, 0])
         middle = float(np.clip(hip, left + 0.5 * wide, right - 0.5 * wide))
         views = (whole, middle, wide, (low, high)), (near, hip, CLOSE, (deep, deep + CLOSE * ASPECT))
         for axes, x, span, z in views:
@@ -145,7 +133,7 @@ def scene_of(walk: Walk, t: Array, speed: float, camera: Any = None) -> tuple[An
         draw_key(whole, arrows, stage.scale * ARROW * high)
         draw_key(near, stage.draw_feet(near, i, largest / LONGEST, close=True), 0.8 * largest)
         for foot, (side, _) in enumerate(sides(walk)):
-            write(near, side, stage.body.legs[i, foot, -1], (0, 12), ha="center")
+            write(near, side, stage.legs[i, foot, -1], (0, 12), ha="center")
         near.set_xlabel("$x$ (m)")
         ended = f", failed: {walk.reason}" if walk.reason and t[i] >= walk.t[-1] else ""
         whole.set_title(f"{t[i]:.2f} s{ended}", loc="right", fontsize=10)

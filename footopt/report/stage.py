@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from matplotlib.colors import to_hex, to_rgb
@@ -31,52 +31,15 @@ LEG = {"lw": 3.0, "alpha": 0.75, "solid_capstyle": "round", "solid_joinstyle": "
 TIMES = "\N{MULTIPLICATION SIGN}"
 
 
-class Body(NamedTuple):
-    """Both feet, left one first, at M instants."""
+def forces_along(walk: Walk, index: Ints) -> tuple[Array, Array]:
+    """Forces along both soles at samples (M,) of a walk, summed over neighbouring plates.
 
-    legs: Array  # (M, 2 feet, joints, 2), m: hip, knee, ankle
-    sole: Array  # (M, 2 feet, s, 2), m
-    outline: Array  # (M, 2 feet, p, 2), m: the sole and the foot's top
-
-    @property
-    def hip(self) -> Array:
-        """The COM, (M, 2), m."""
-        return self.legs[:, 0, 0]
-
-
-class Forces(NamedTuple):
-    """Forces of the sand on parts of both soles at M instants, each (M, 2 feet, parts, 2)."""
-
-    at: Array  # where they act, m
-    force: Array  # N
-
-    def resultant(self) -> Forces:
-        """The whole force on each foot, with one part.
-
-        Its place is the mean of the parts' places, weighted by their forces; NaN for a foot without a force.
-        """
-        size = np.linalg.norm(self.force, axis=-1, keepdims=True)
-        total = size.sum(axis=2, keepdims=True)
-        weight = size / np.where(total > 0.0, total, np.nan)
-        return Forces((weight * self.at).sum(axis=2, keepdims=True), self.force.sum(axis=2, keepdims=True))
-
-
-def body(walk: Walk, t: ArrayLike) -> Body:
-    """A walk's body at times t (M,), linear between its samples."""
-    joints, pitch, foot = walk.legs(t), walk.pitch(t), walk.foot
-    turn = np.array([[np.cos(pitch), np.sin(pitch)], [-np.sin(pitch), np.cos(pitch)]])
-    turned = np.moveaxis(turn, (0, 1), (-2, -1))
-    outline = closed_contour(foot.contour, max(0.0, foot.contour[:, 1].max() + 0.005))
-    placed = (joints[:, :, -1, None] + (points - foot.ankle) @ turned for points in (foot.contour, outline))
-    return Body(joints, *placed)
-
-
-def forces_along(walk: Walk, index: Ints) -> Forces:
-    """Forces along both soles at samples (M,) of a walk, summed over neighbouring plates."""
+    Returns places, m, and forces, N, each (M, 2 feet, parts, 2).
+    """
     plates = walk.plates(index)
     begin, size = groups(plates.position.shape[2])
     middle = np.add.reduceat(plates.position, begin, axis=2) / size[:, None]
-    return Forces(middle, np.add.reduceat(plates.force, begin, axis=2))
+    return middle, np.add.reduceat(plates.force, begin, axis=2)
 
 
 def groups(count: int) -> tuple[Ints, Ints]:
@@ -86,51 +49,77 @@ def groups(count: int) -> tuple[Ints, Ints]:
     return begin, np.diff(np.append(begin, count))
 
 
+def resultant(at: Array, force: Array) -> tuple[Array, Array]:
+    """The whole force on each foot and its place, of and as `forces_along`, with one part.
+
+    The place is the mean of the parts' places, weighted by their forces; NaN for a foot without a force.
+    """
+    size = np.linalg.norm(force, axis=-1, keepdims=True)
+    total = size.sum(axis=2, keepdims=True)
+    weight = size / np.where(total > 0.0, total, np.nan)
+    return (weight * at).sum(axis=2, keepdims=True), force.sum(axis=2, keepdims=True)
+
+
 def ground(scene: Scene) -> dict[str, list[dict[str, Any]]]:
     """Layers of a scene and its patches, which go through them, as strips, and gravity on a slope.
 
     The page draws the same ones.
     """
     strata = [layer for effect in scene.effects for layer in effect.strata]
-    layers = [(0.0, strata[0][0] if strata else FAR, 1.0), *strata]
-    strips, (tilt, g) = [], scene.gravity
-
-    def strip(kind: str, along: Sequence[float], down: Sequence[float], factor: float, text: str) -> None:
-        (begin, end), (top, bottom) = along, down
-        place = {"begin": max(begin, -FAR), "end": min(end, FAR), "top": -top, "bottom": -min(bottom, FAR)}
-        strips.append({"kind": kind, **place, "colour": _strength(factor), "text": text})
-
-    for *down, factor in strata:
-        strip("layer", (-FAR, FAR), down, factor, f"layer {TIMES} {factor:g}")
-    for *along, factor in (zone for effect in scene.effects for zone in effect.zones):
-        for *down, there in layers:
-            strip("patch", along, down, factor * there, f"patch {TIMES} {factor:g}" * (down[0] == 0.0))
+    whole = [(0.0, strata[0][0] if strata else FAR, 1.0), *strata]
+    strips = [
+        _strip("layer", (-FAR, FAR), layer[:2], layer[2], f"layer {TIMES} {layer[2]:g}") for layer in strata
+    ]
+    for begin, end, factor in (zone for effect in scene.effects for zone in effect.zones):
+        for top, bottom, there in whole:
+            text = f"patch {TIMES} {factor:g}" if top == 0.0 else ""
+            strips.append(_strip("patch", (begin, end), (top, bottom), factor * there, text))
+    tilt, g = scene.gravity
     way = f"{abs(math.degrees(math.atan2(tilt, g))):g}° {'uphill' if tilt < 0 else 'downhill'}"
     words = [f"g = {scene.g:g} m/s²", way]
     slope = {"x": tilt / scene.g, "z": -g / scene.g, "words": words}
     return {"strips": strips, "gravity": [slope] if tilt else []}
 
 
-def _strength(factor: float) -> str:
-    """The colour of sand so many times as strong: darker is stronger."""
+def _strip(
+    kind: str, along: Sequence[float], down: Sequence[float], factor: float, text: str
+) -> dict[str, Any]:
+    """Sand `factor` times as strong between two places and two depths, m: darker is stronger."""
     weight = float(np.clip(0.7 * np.log10(factor), -0.8, 0.6)) if factor > 0.0 else -0.8
     goal = np.array(to_rgb("white" if weight < 0 else style.STRONG_SAND))
-    return to_hex((1.0 - abs(weight)) * np.array(to_rgb(style.SAND)) + abs(weight) * goal)
+    return {
+        "kind": kind,
+        "begin": max(along[0], -FAR),
+        "end": min(along[1], FAR),
+        "top": -down[0],
+        "bottom": -min(down[1], FAR),
+        "colour": to_hex((1.0 - abs(weight)) * np.array(to_rgb(style.SAND)) + abs(weight) * goal),
+        "text": text,
+    }
 
 
 class Stage:
-    """A walk at instants t (M,), s, in order, drawn on Axes in m."""
+    """A walk at instants t (M,), s, in order, linear between its samples; drawn on Axes in m.
+
+    Of both feet, left one first, it has `legs` (M, 2, joints, 2), from hip to ankle, `sole` and `outline`,
+    the sole with the foot's top, each (M, 2, points, 2), m, and the forces on parts of the soles, N.
+    """
 
     def __init__(self, walk: Walk, t: ArrayLike) -> None:
-        self.walk, self.t = walk, np.asarray(t, float)
+        self.walk, self.t, foot = walk, np.asarray(t, float), walk.foot
+        self.legs, pitch = walk.legs(self.t), walk.pitch(self.t)
+        turn = np.array([[np.cos(pitch), np.sin(pitch)], [-np.sin(pitch), np.cos(pitch)]])
+        turned, ankle = np.moveaxis(turn, (0, 1), (-2, -1)), self.legs[:, :, -1, None]
+        outline = closed_contour(foot.contour, max(0.0, foot.contour[:, 1].max() + 0.005))
+        self.sole, self.outline = (ankle + (line - foot.ankle) @ turned for line in (foot.contour, outline))
         self.index = np.minimum(np.searchsorted(walk.t, self.t), len(walk.t) - 1)  # of samples with forces
-        self.body, self.forces = body(walk, self.t), forces_along(walk, self.index)
+        self.at, self.force = forces_along(walk, self.index)
         self.ground = ground(walk.world)
 
     @property
     def limits(self) -> tuple[float, float, float, float]:
         """Left, right, low and high around all that is drawn, m."""
-        points = np.concatenate([part.reshape(-1, 2) for part in (self.body.legs, self.body.outline)])
+        points = np.concatenate([part.reshape(-1, 2) for part in (self.legs, self.outline)])
         (left, low), (right, high) = points.min(axis=0), points.max(axis=0)
         low = min(low, 0.0)
         tall = high - low
@@ -159,15 +148,15 @@ class Stage:
         feet = range(len(named)) if only is None else [only]
         for foot in feet:
             (side, colour), order = named[foot], 1.7 + 0.4 * foot
-            joints, sole = self.body.legs[i, foot].T, self.body.sole[i, foot].T
-            axes.fill(*self.body.outline[i, foot].T, fc=colour, lw=0, alpha=0.16, zorder=order)
+            joints = self.legs[i, foot].T
+            axes.fill(*self.outline[i, foot].T, fc=colour, lw=0, alpha=0.16, zorder=order)
             if legs:
                 axes.plot(*joints, color=colour, zorder=order + 0.1, label=f"_{side}-leg", **LEG)
-                axes.plot(*joints[:, 1:], "o", color=INK, ms=4.5, mew=0, zorder=order + 0.2, label="_joints")
-            axes.plot(*sole, color=colour, lw=1.9, zorder=order + 0.3, label=f"_{side}-sole")
-        axes.plot(*self.body.hip[i], "o", color=INK, ms=9.0, mew=0, zorder=3.0, label="_hip")
-        shown = self.forces if close else self.forces.resultant()
-        at, force = (part[i, list(feet)].reshape(-1, 2) for part in shown)
+                axes.plot(*joints[:, 1:], "o", color=INK, ms=4.5, mew=0, zorder=order + 0.2)
+            axes.plot(*self.sole[i, foot].T, color=colour, lw=1.9, zorder=order + 0.3, label=f"_{side}-sole")
+        axes.plot(*self.legs[i, 0, 0], "o", color=INK, ms=9.0, mew=0, zorder=3.0)  # the hip
+        parts = (self.at, self.force) if close else resultant(self.at, self.force)
+        at, force = (part[i, list(feet)].reshape(-1, 2) for part in parts)
         pushed = np.any(force != 0.0, axis=1)
         return draw_arrows(axes, at[pushed], force[pushed], scale, "tip" if close else "tail")
 
@@ -176,7 +165,7 @@ def draw_ground(axes: Axes, ground: dict[str, list[dict[str, Any]]], words: bool
     """Draw the sand within the limits of the axes: its surface, its strips, and gravity on a slope."""
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
     axes.fill_between((left, right), low, 0.0, fc=style.SAND, lw=0, zorder=1.0)
-    edge = {"ec": style.SURFACE, "lw": 0.4, "zorder": 1.1, "label": "_strip"}
+    edge = {"ec": style.SURFACE, "lw": 0.4, "zorder": 1.1}
     for strip in ground["strips"]:
         a, b = np.clip((strip["begin"], strip["end"]), left, right)
         c, d = np.clip((strip["bottom"], strip["top"]), low, high)
@@ -187,30 +176,28 @@ def draw_ground(axes: Axes, ground: dict[str, list[dict[str, Any]]], words: bool
             write(axes, strip["text"], (b, c), (-3, 2), ha="right")
         elif words and strip["kind"] == "patch" and b - a >= WIDE * (right - left):
             write(axes, strip["text"], (a, d), (3, -2), va="top")
-    axes.plot((left, right), (0.0, 0.0), color=style.SURFACE, lw=1.1, zorder=1.3, label="_surface")
+    axes.plot((left, right), (0.0, 0.0), color=style.SURFACE, lw=1.1, zorder=1.3)
     for slope in ground["gravity"] if words else ():
         wide, tall = right - left, 0.2 * (high - low)
         begin = np.array([[right - 0.03 * wide, high - 0.1 * tall]])
         along = tall * np.array([[slope["x"], slope["z"]]])
-        draw_arrows(axes, begin, along, 1.0, "tail", "_gravity")
+        draw_arrows(axes, begin, along, 1.0, "tail")
         place = right - 0.04 * wide + min(along[0, 0], 0.0), high
         write(axes, "\n".join(slope["words"]), place, (0, -2), ha="right", va="top")
 
 
-def draw_arrows(
-    axes: Axes, at: Array, along: Array, scale: float, pivot: str, label: str = "_force"
-) -> Quiver:
+def draw_arrows(axes: Axes, at: Array, along: Array, scale: float, pivot: str) -> Quiver:
     """Draw arrows at places (n, 2) m along vectors (n, 2), of which `scale` are a metre."""
     looks = {"width": 0.014, "headwidth": 4.0, "headlength": 5.0, "headaxislength": 4.5, "minlength": 0.3}
     units = {"angles": "xy", "scale_units": "xy", "scale": scale, "units": "inches"}
-    ink = {"color": INK, "zorder": 2.7, "label": label}
-    arrows: Quiver = axes.quiver(*at.T, *along.T, pivot=pivot, **looks, **units, **ink)
+    arrows: Quiver = axes.quiver(*at.T, *along.T, pivot=pivot, color=INK, zorder=2.7, **looks, **units)
     return arrows
 
 
 def draw_key(axes: Axes, arrows: Quiver, largest: float) -> None:
     """Draw an arrow as long as a round number of newtons, at most the largest force, with the number."""
-    newtons, (left, right) = round_down(largest), axes.get_xlim()
+    power, (left, right) = 10.0 ** np.floor(np.log10(largest)), axes.get_xlim()
+    newtons = power * max(m for m in (1, 2, 5) if m * power <= largest * (1 + 1e-12))
     tip = 0.03 + newtons / (arrows.scale or 1.0) / (right - left)
     axes.quiverkey(arrows, tip, 0.06, newtons, f"{newtons:g} N", coordinates="axes", labelpos="E", zorder=6)
 
@@ -242,9 +229,3 @@ def draw_walk(axes: Axes, walk: Walk) -> None:
     axes.set_title(
         style.walk_label(f"{title(walk.foot.name)} on {sand_title(walk.world.sand)}{step}", walk), loc="left"
     )
-
-
-def round_down(value: float) -> float:
-    """The largest of 1, 2, 5 times a power of ten that is not above a positive value."""
-    power = 10.0 ** np.floor(np.log10(value))
-    return float(power * max(m for m in (1, 2, 5) if m * power <= value * (1 + 1e-12)))

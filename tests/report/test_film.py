@@ -6,6 +6,7 @@ import subprocess
 
 import numpy as np
 import pytest
+from matplotlib.quiver import Quiver
 from PIL import Image
 
 import footopt as fo
@@ -47,11 +48,11 @@ def test_a_frame_shows_legs_soles_force_and_time(walk):
     figure, show = film.scene_of(walk, t, speed=1.0)
     show(0)
     axes = figure.axes[0]
-    placed = stage.body(walk, t)
+    placed = stage.Stage(walk, t)
     for foot, side in enumerate(("left", "right")):
         assert np.array_equal(line(axes, f"{side}-leg"), placed.legs[0, foot])
         assert np.array_equal(line(axes, f"{side}-sole"), placed.sole[0, foot])
-    (arrows,) = (found for found in axes.collections if found.get_label() == "_force")
+    (arrows,) = (found for found in axes.collections if isinstance(found, Quiver))
     force = walk.force[np.searchsorted(walk.t, 1.15)]
     loaded = force[np.linalg.norm(force, axis=1) > 0.0]
     np.testing.assert_allclose(np.stack([arrows.U, arrows.V], axis=1), loaded, rtol=1e-3, atol=0.1)

@@ -112,17 +112,17 @@ def test_the_stress_map_is_the_sand_s():
 
 def test_soles_are_where_the_plates_of_the_walk_are(walked):
     index = np.array([10, 200, len(walked.t) - 1])
-    soles, plates = stage.body(walked, walked.t[index]).sole, walked.plates(index).position
+    soles, plates = stage.Stage(walked, walked.t[index]).sole, walked.plates(index).position
     away = np.linalg.norm(plates[:, :, :, None] - soles[:, :, None], axis=-1).min(axis=-1)
     assert away.max() < 1e-3  # the sole's points are .8 mm apart
 
 
 def test_the_arrow_of_a_foot_is_its_force(walked):
     index = np.arange(20, len(walked.t), 40)
-    at, force = (part[:, :, 0] for part in stage.forces_along(walked, index).resultant())
+    at, force = (part[:, :, 0] for part in stage.resultant(*stage.forces_along(walked, index)))
     np.testing.assert_allclose(force, walked.force[index], rtol=5e-3, atol=0.1)
     loaded = np.linalg.norm(force, axis=-1) > 50
-    ankle = stage.body(walked, walked.t[index]).legs[:, :, 2]
+    ankle = stage.Stage(walked, walked.t[index]).legs[:, :, 2]
     assert np.linalg.norm(at - ankle, axis=-1)[loaded].max() < 0.15  # within the foot
     airborne = np.linalg.norm(force, axis=-1) == 0
     assert airborne.any()

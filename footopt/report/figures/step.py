@@ -26,8 +26,8 @@ def step(walk: Walk) -> Figure:
     foot, begin, end = contact.foot, walk.t[contact.first], walk.t[contact.last]
     times = np.linspace(begin, end, 2 * ROWS * COLUMNS + 1)[1::2]  # at its ends a contact carries no force
     stage = Stage(walk, walk.t[np.searchsorted(walk.t, times)])
-    largest = float(np.linalg.norm(stage.forces.force[:, foot], axis=-1).max())
-    sole = stage.body.outline[:, foot].reshape(-1, 2)
+    largest = float(np.linalg.norm(stage.force[:, foot], axis=-1).max())
+    sole = stage.outline[:, foot].reshape(-1, 2)
     (left, low), (right, high) = sole.min(axis=0), sole.max(axis=0)
     figure = style.new_figure(style.PAGE, 6.0)
     figure.set_layout_engine("constrained", hspace=0.0)

@@ -193,7 +193,7 @@ def _traces(walk: Walk, label: str, design: int | None = None) -> dict[str, Any]
         **({} if isinstance(walk.scene, Scene) else {"legs": packed(_legs(walk, walk.t[index]))}),
         "at": packed(np.stack(at, axis=-1)),
         "when": packed(walk.t[even]),
-        "arrows": packed(forces_along(walk, even).force),
+        "arrows": packed(forces_along(walk, even)[1]),
     }
 
 
