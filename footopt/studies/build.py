@@ -1,6 +1,5 @@
 """The library's objects from the settings, which are checked before: what has no effect is refused."""
 
-import math
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, fields, replace
@@ -38,7 +37,6 @@ from footopt.studies.settings import (
     FootConfig,
     GaitConfig,
     SandConfig,
-    leaves,
 )
 from footopt.walk import Accuracy, Scene, Simulator, Walker
 from footopt.walk.accuracy import PRESETS, AnyAccuracy, Tolerance
@@ -256,22 +254,8 @@ def check_read(config: Config, overrides: Iterable[str]) -> None:
                 raise SettingError(name, value, "left out: it has no effect here", f"It is read by {where}.")
 
 
-def check_values(config: Config) -> None:
-    """Raise unless lists hold plain values, and no number is a NaN, be it read or not.
-
-    OmegaConf lets lists in lists, interpolations and NaNs through.
-    """
-    for name, value, *_ in leaves(config):
-        if isinstance(value, float):
-            check(not math.isnan(value), name, value, "a number")
-        elif isinstance(value, list):
-            plain = all(isinstance(v, (int, float, str)) and v == v for v in value)
-            check(plain, name, value, "a list of plain values")
-
-
 def checked(config: Config, overrides: Iterable[str]) -> Config:
     """The settings; `SettingError` if they do not go together."""
-    check_values(config)
     name = config.study.name
     check(name in STUDIES, "study.name", name, f"one of {', '.join(STUDIES)}")
     check(isinstance(config.study, STUDIES[name][0]), "study.name", name, f"chosen as a group: study={name}")

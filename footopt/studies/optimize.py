@@ -189,18 +189,13 @@ def _describe_ladder(problem: FootProblem) -> list[str]:
     numbers, found = ladder(accuracy, problem.scene, problem.space)
     if not found.work > 0.0:  # no sole has walked
         return []
-    walks = found.price / found.work
-    with_them = (
-        f"{numbers.plates} plates and steps of {1e3 * numbers.dt:.3g} ms at most, found in the time of "
-        f"{walks:.0f} walks"
-    )
-    if math.isnan(found.error):
-        return [f"Errors are not known, because all random soles fail, with {with_them}"]
-    if found.error <= SHARE * accuracy.error:
-        return [f"Errors within {percent(accuracy.error)} take {with_them}"]
-    reached = f"are {percent(found.error)}" if math.isfinite(found.error) else "of some are falls"
-    wanted = f"for {percent(accuracy.error)} they should be {percent(SHARE * accuracy.error)}"
-    return [f"Errors of random soles {reached}, where {wanted}, with {with_them}"]
+    reached = found.error <= SHARE * accuracy.error
+    worst = percent(found.error) if math.isfinite(found.error) else "some fail"
+    missed = "" if reached else f", missed by random soles ({worst})"
+    return [
+        f"Errors within {percent(accuracy.error)}{missed}: {numbers.plates} plates and steps of "
+        f"{1e3 * numbers.dt:.3g} ms at most, found in the time of {found.price / found.work:.0f} walks"
+    ]
 
 
 def _start(heights: list[int] | None, space: Waypoints) -> list[list[int]] | None:

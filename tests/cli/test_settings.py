@@ -24,7 +24,6 @@ from footopt.effects import EFFECTS
 from footopt.errors import FootoptError, SettingError
 from footopt.sand import MEDIA
 from footopt.studies import build
-from footopt.studies.build import check_values
 from footopt.studies.robust import make_spread
 from footopt.studies.settings import Config, known
 from footopt.walk import PRESETS
@@ -158,7 +157,6 @@ def told(*words):
     """What a user is told of settings that are refused before anything is walked; "" where they are used."""
     try:
         config = composed("accuracy=draft", *words)
-        check_values(config)
         build.make_scene(config)
         build.make_accuracy(config.accuracy)
         build.make_foot(config.foot)
