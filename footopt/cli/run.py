@@ -24,7 +24,7 @@ from footopt.files import identity
 from footopt.files.identity import Occupied, finished, result_of
 from footopt.files.io import write_text
 from footopt.studies import searches, within
-from footopt.studies.build import absolute, load_plugins
+from footopt.studies.build import absolute, check_trusted, load_plugins
 from footopt.studies.runs import BUDGETS, Run, check_may_change, check_resumable, load, run_study
 from footopt.studies.settings import CODE, WRITTEN, EngineConfig, structured
 
@@ -154,15 +154,10 @@ def _resume_run(folder: Path, changes: Mapping[str, Any], given: Sequence[str]) 
     allowed = f"a run of footopt {version('footopt')}, which this is, not of {run.version}"
     hint = f"Start a new run; or add {FORCE}, if you know that the walks are the same."
     check(run.version == version("footopt") or FORCE in given, "resume", str(folder), allowed, hint)
-    there, study = OmegaConf.create(dict(run.settings)), run.settings["study"]["name"]
-    for name in () if TRUST in given else (*CODE, *WRITTEN):
-        value, own = OmegaConf.select(there, name), {name, name.partition(".")[0]} & {*changes}
-        inside = name in WRITTEN and (folder / str(value)).resolve().parent == folder.resolve()
-        hint = f"Add {TRUST} if you know it, or give your own."
-        check(not value or own or inside, name, value, f"trusted: it comes from {folder}", hint)
+    check_trusted(folder, run.settings, () if TRUST in given else (*CODE, *WRITTEN), changes)
     load_plugins(changes.get("plugins", run.settings["plugins"]))
     settings = structured(run.settings)
-    if FORCE in given and searches(study):
+    if FORCE in given and searches(run.settings["study"]["name"]):
         settings.study.reuse = True
     for name, value in changes.items():
         value = EngineConfig(name=value) if name == "engine" else value

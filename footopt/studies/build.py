@@ -1,9 +1,12 @@
 """The library's objects from the settings, which are checked before: what has no effect is refused."""
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import asdict, fields, replace
+from pathlib import Path
 from typing import Any
+
+from omegaconf import OmegaConf
 
 from footopt.design import Choice, FootProblem
 from footopt.effects import EFFECTS, Effect
@@ -32,6 +35,7 @@ from footopt.studies import (
 from footopt.studies.settings import (
     PATHS,
     STUDIES,
+    WRITTEN,
     Config,
     EffectsConfig,
     FootConfig,
@@ -66,6 +70,19 @@ def load_plugins(plugins: Sequence[str]) -> None:
     check(good, "plugins", plugins, "a list of files and modules")
     for plugin in plugins:
         load_module(plugin, "plugins")
+
+
+def check_trusted(
+    folder: Path, settings: Mapping[str, Any], names: Iterable[str], own: Collection[str] = ()
+) -> None:
+    """Raise if a run's settings name code, or files outside its folder to write; `own` are replaced."""
+    there = OmegaConf.create(dict(settings))
+    for name in names:
+        value = OmegaConf.select(there, name)
+        inside = name in WRITTEN and (folder / str(value)).resolve().parent == folder.resolve()
+        hint = "If you know it, add --trust, or load the run with trust=True; or give your own."
+        good = not value or inside or within(name, own)
+        check(good, name, value, f"trusted: it comes from {folder}", hint)
 
 
 def make_sand(config: SandConfig) -> Sand:

@@ -30,6 +30,7 @@ from footopt.report.output import Output
 from footopt.studies import ROBOT, SCENE, SETTING_OF_GROUP, build, searches, within
 from footopt.studies.settings import (
     CHANGEABLE,
+    CODE,
     REPORTS,
     STUDIES,
     AccuracyConfig,
@@ -247,9 +248,7 @@ class Run:
     @cached_property
     def config(self) -> Config:
         """The settings as what studies take; a `FileError` if this version does not have one of them."""
-        if self.settings.get("plugins") and not self.trusted:
-            hint = "Read what they do, then load the run with trust=True."
-            raise FileError(f"{self.folder}: its settings name plugins, which are code. {hint}")
+        build.check_trusted(self.folder, self.settings, () if self.trusted else CODE)
         build.load_plugins(self.settings.get("plugins", ()))
         try:
             return cast(Config, OmegaConf.to_object(structured(self.settings)))
@@ -323,9 +322,7 @@ class Run:
         problem = build.make_problem(config, self.scene)
         solver = Solver(**vars(config.solver) | budget)
         path = self.folder / (config.study.store or "designs.sqlite")
-        if not self.trusted and path.resolve().parent != self.folder.resolve():
-            hint = "Load the run with trust=True, if you know it."
-            raise SettingError("study.store", str(path), "in the folder of the run, to be written to", hint)
+        build.check_trusted(self.folder, self.settings, () if self.trusted else ["study.store"])
         with Store(path, problem, config.study.reuse) as store:
             return search(problem, solver, store=store)
 

@@ -67,15 +67,20 @@ class TestLoad:
         with pytest.raises(SettingError, match="must be optimize, to search again"):
             run.search()
 
+    @pytest.mark.usefixtures("clean")
     def test_code_that_its_settings_name_is_run_only_for_who_trusts_it(self, made, tmp_path):
         folder = tmp_path / "plugged"
         shutil.copytree(made[2].folder, folder)
         settings, words, _ = identity.read(folder)
         (tmp_path / "mine.py").write_text("raise SystemExit('run')\n")
-        settings = {**settings, "plugins": [str(tmp_path / "mine.py")]}
-        identity.write(folder, settings, words)
-        with pytest.raises(FileError, match=r"name plugins, which are code\..* trust=True"):
-            _ = fo.load(folder).scene
+        code = (
+            {"robot": {**settings["robot"], "controller": "mine.py:f"}},
+            {"plugins": [str(tmp_path / "mine.py")]},
+        )
+        for change in code:
+            identity.write(folder, {**settings, **change}, words)
+            with pytest.raises(SettingError, match=r"must be trusted: it comes from .*trust=True"):
+                _ = fo.load(folder).scene
         with pytest.raises(SystemExit, match="run"):
             _ = fo.load(folder, trust=True).scene
 
