@@ -142,17 +142,6 @@ def test_the_walk_file_holds_what_was_traced(walked, tmp_path):
             assert file.variables[name].dimensions == dimensions
 
 
-def test_frames_have_names_and_units(walked, many):
-    frame = walked.to_frame()
-    np.testing.assert_array_equal(frame["force_right_z"], walked.force[:, 1, 1])
-    np.testing.assert_array_equal(frame.index, walked.t)
-    assert set(frame.attrs["units"]) == {"t", *frame.columns}
-    assert frame.attrs["units"]["velocity_x"] == "m s-1"
-    frame = many.to_frame()
-    np.testing.assert_array_equal(frame[list(many.names)], many.values)
-    assert (frame["reason"] == "sunk").sum() == (~frame["feasible"]).sum() > 0
-
-
 @pytest.mark.parametrize("kind", ["one", "several"])
 def test_the_frame_of_a_search_is_designs_csv(searches, tmp_path, kind):
     import pandas

@@ -145,16 +145,6 @@ class TestStore:
             assert store.get([[1] * 5])[0].reason == ""
 
 
-OWN = """
-import footopt as fo
-
-class Doubled(fo.FootProblem):
-    def walk(self, k):
-        values, reasons = super().walk(k)
-        return {factor} * values, reasons
-"""
-
-
 class TestContext:
     def test_all_that_changes_a_result_changes_the_context(self):
         scene, base = fo.Scene(sand=fo.Sand(5.0)), problem()
@@ -181,20 +171,6 @@ class TestContext:
         assert len(digests) == 1 + len(changed)
         same = problem("work", space=replace(SMALL, box_tolerance=1.0))
         assert digest(context(same)) == digest(context(base))
-
-    def test_a_changed_problem_of_ones_own_is_not_reused(self, path):
-        def made(factor):
-            space = {"__name__": "mine"}
-            exec(OWN.format(factor=factor), space)
-            return space["Doubled"](problem().scene, "efficiency", SMALL, QUICK)
-
-        with Store(path, made(2.0)) as store:
-            store.add([[1] * 5], [Evaluation(np.ones(6), "")])
-        with Store(path, made(2.0)) as store:
-            assert store.get([[1] * 5]) != [None]
-        with Store(path, made(3.0)) as store:
-            assert store.get([[1] * 5]) == [None]
-            assert "Doubled" in store.describe()
 
     def test_designs_walked_by_other_code_are_used_only_when_asked_for_and_said(self, path, monkeypatch):
         with Store(path, problem()) as store:

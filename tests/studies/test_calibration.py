@@ -79,17 +79,6 @@ class TestWarnings:
         bent = calibrate(plates_in_sand(tmp_path / "t.csv", rng, 0.8, 1.34, repeats))
         assert "zeta of the tests above 16 mm is 0.7" in bent.warnings[0]
 
-    def test_a_set_up_that_the_map_does_not_fit_is_named(self, tmp_path):
-        path = plates_in_sand(tmp_path / "t.csv", np.random.default_rng(1), repeats=6, scatter=0.02,
-                        set_ups=[(25.0, 0.0, 90.0), (25.0, 90.0, 0.0)])  # fmt: skip
-        lines = path.read_text().splitlines()
-        drag = [f"{d},{1.6 * float(f):.3f},{rest}" for d, f, rest in (x.split(",", 2) for x in lines[1:])
-                if rest.startswith("25,90,0")]  # fmt: skip
-        down = [line for line in lines[1:] if ",25,0,90," in line]
-        path.write_text(HEAD + "\n".join(down + drag) + "\n")
-        (said,) = calibrate(path).warnings
-        assert said.startswith("zeta of the tests with 25 cm² at 90° moved at 0° is 1.50 times")
-
 
 @pytest.mark.parametrize("mark", [";", "\t"])
 def test_a_table_from_a_spreadsheet_with_decimal_commas_is_the_same(tmp_path, mark):
