@@ -11,6 +11,7 @@ from urllib.parse import quote
 import numpy as np
 import pandas
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 from scipy.io import netcdf_file
 
 from footopt.design.fronts import hypervolume_shares
@@ -120,17 +121,19 @@ def compare(folder: Path, folders: Sequence[Path]) -> int:
     runs, out = [read(path) for path in folders], console()
     base = os.path.commonpath([path.absolute().parent for path in folders])
     names = [os.path.relpath(path, base) for path in folders]
-    settings, found, whole = varied(runs), fronts(runs), as_frame(runs)
     common = set.intersection(*(set(run.overrides) for run in runs)) if len(runs) > 1 else set()
-    own = [" ".join(word for word in run.overrides if word not in common) for run in runs]
+    own = [[word for word in run.overrides if word not in common] for run in runs]
     about = [f"{len(runs)} runs in {base}" + (f", all with {' '.join(sorted(common))}" if common else "")]
     about += describe_model(run.result.get("model_error") for run in runs)
     out.print("\n".join(about), soft_wrap=True)
-    _print_table(folder, runs, [f"{n}: {w or 'by default'}" for n, w in zip(names, own, strict=True)])
+    _print_table(
+        folder, runs, [f"{n}: {' '.join(w) or 'by default'}" for n, w in zip(names, own, strict=True)]
+    )
     for name, run in zip(names, runs, strict=True):
         if run.note:
             out.print(f"{name}: {run.note}", soft_wrap=True)
-    for i, (rows, shares, figure) in enumerate(found):
+    settings, whole = varied(runs), as_frame(runs)
+    for i, (rows, shares, figure) in enumerate(fronts(runs, own)):
         whole.loc[rows, "hypervolume_share"] = shares
         if len(rows) > 1:
             (picture,) = save(figure, folder / "figures", f"fronts_{i + 1}" if i else "fronts", ["png"])
@@ -141,57 +144,60 @@ def compare(folder: Path, folders: Sequence[Path]) -> int:
     if (spread := over_seeds(settings, values.select_dtypes("number"))) is not None:
         write_csv(folder / "seeds.csv", spread)
         out.print(f"Median and quartiles over seeds: {folder / 'seeds.csv'}", soft_wrap=True)
-    page.write(folder / "report.html", runs_content(folder, runs, names, own, about))
+    page.write(folder / "report.html", runs_content(folder, runs, names, list(map(" ".join, own)), about))
     results = [run.result for run in runs]
     return sum(not r or (r.get("study") == "simulate" and bool(r.get("reason"))) for r in results)
 
 
+def compared(runs: Sequence[Row]) -> tuple[list[dict[str, Any]], NDArray[np.float64]]:
+    """The objectives that all runs have, those that were sought first, as columns of the page, and values.
+
+    J_W is a multiple of the flat foot's where all know it.
+    """
+    results = [run.result for run in runs]
+    sought = dict.fromkeys(name for r in results for name in r.get("objective_names", []))
+    first = {**sought, **results[0]["objectives"]} if results else {}
+    names = [n for n in first if all(n in r["objectives"] and n in r.get("units", {}) for r in results)]
+    columns = [column(name, results[0]["units"][name], results[0]["maximise"][name]) for name in names]
+    values = np.array([[run.objectives[name] for name in names] for run in runs], float)
+    flat = [(r.get("flat") or {}).get("efficiency") or math.nan for r in results]
+    if "efficiency" in names and np.isfinite(flat).all():
+        values[:, names.index("efficiency")] /= flat
+        columns[names.index("efficiency")] |= {"title": "J_W", "unit": "x of flat", "maximise": True}
+    return columns, values
+
+
 def _print_table(folder: Path, runs: Sequence[Row], labels: Sequence[str]) -> None:
-    """Print a row for each run with as many objectives as fit, those that were sought first; and the best."""
-    out, done = console(), [run for run in runs if run.objectives]
-    units = {name: unit for run in done for name, unit in run.result.get("units", {}).items()}
-    sought = dict.fromkeys(name for run in done for name in run.result.get("objective_names", []))
-    names = [name for name in dict.fromkeys((*sought, *units)) if name in units]
-    titles = [f"{name.replace('_', ' ')} ({units[name]})".removesuffix(" ()") for name in names]
-    values = [[run.objectives.get(name, math.nan) for name in names] for run in runs]
-    if "efficiency" in names and (flat := [of_flat(run) for run in runs]) and np.isfinite(flat).any():
-        at = names.index("efficiency")
-        titles[at] = "J_W x flat"
-        for row, share in zip(values, flat, strict=True):
-            row[at] = share
+    """Print a row for each run with as many objectives as fit, and the best run of one objective."""
+    out, done = console(), [i for i, run in enumerate(runs) if run.objectives]
+    columns, values = compared([runs[i] for i in done])
+    titles = [f"{c['title']} ({c['unit']})".removesuffix(" ()") for c in columns]
     fit = max((out.width - ROOM) // COLUMN, 1)
     shown = table(("run and settings", *titles[:fit], "hollow (mm)"), words=("run and settings",))
-    for label, run, row in zip(labels, runs, values, strict=True):
-        shown.add_row(
-            label, *map(number, [*row[:fit], run.result.get("design", {}).get("hollow_mm", math.nan)])
-        )
+    for i, (label, run) in enumerate(zip(labels, runs, strict=True)):
+        row = values[done.index(i)][:fit] if i in done else [math.nan] * len(titles[:fit])
+        shown.add_row(label, *map(number, [*row, run.result.get("design", {}).get("hollow_mm", math.nan)]))
     out.print(shown)
-    if len(done) > 1 and len(sought) == 1 and np.isfinite([row[0] for row in values]).any():
-        most = titles[0] == "J_W x flat" or done[0].result["maximise"][names[0]]
-        best = int(np.nanargmax([row[0] if most else -row[0] for row in values]))
-        out.print(f"Best {titles[0]}: {number(values[best][0])}, {labels[best]}", soft_wrap=True)
+    sought = {name for i in done for name in runs[i].result.get("objective_names", [])}
+    if len(done) > 1 and len(sought) == 1 and columns and np.isfinite(values[:, 0]).any():
+        best = int(np.nanargmax(values[:, 0] if columns[0]["maximise"] else -values[:, 0]))
+        out.print(f"Best {titles[0]}: {number(values[best, 0])}, {labels[done[best]]}", soft_wrap=True)
     if left := titles[fit:]:
         out.print(f"In {folder / 'summary.csv'}, too: {', '.join(left)}", soft_wrap=True)
 
 
-def of_flat(run: Row) -> float:
-    """J_W of a run's foot over that of the flat foot; NaN where it is not known."""
-    flat = (run.result.get("flat") or {}).get("efficiency") or math.nan
-    return float(run.objectives.get("efficiency", math.nan) / flat)
-
-
-def fronts(runs: Sequence[Row]) -> list[tuple[list[int], list[float], Figure]]:
+def fronts(runs: Sequence[Row], own: Sequence[Sequence[str]]) -> list[tuple[list[int], list[float], Figure]]:
     """The fronts that runs found, by problem: which runs, the hypervolume of each over that of all, a figure.
 
-    Runs of a figure that differ by seeds only share a colour, and their hypervolume is the median.
+    Runs of a figure whose `own` overrides differ by seeds only share a colour, and their hypervolume is the
+    median.
     """
     groups: dict[str, list[int]] = {}
     for i, run in enumerate(runs):
         if run.result.get("front_values"):
             problem = [item for item in run.settings.items() if not item[0].startswith(OUTSIDE_PROBLEM)]
             groups.setdefault(str((run.result["objective_names"], problem)), []).append(i)
-    seedless = [[word for word in run.overrides if not word.startswith(SEED)] for run in runs]
-    own = [[word for word in words if any(word not in others for others in seedless)] for words in seedless]
+    seedless = [" ".join(word for word in words if not word.startswith(SEED)) for words in own]
     found = []
     for rows in groups.values():
         results = [runs[i].result for i in rows]
@@ -199,7 +205,7 @@ def fronts(runs: Sequence[Row]) -> list[tuple[list[int], list[float], Figure]]:
         frames = [pandas.DataFrame(r["front_values"], columns=r["front_columns"])[names] for r in results]
         signs = [-1 if most[name] else 1 for name in names]
         shares = hypervolume_shares([frame.to_numpy(float) * signs for frame in frames])
-        labels = pandas.Series([" ".join(own[i]) or runs[i].folder.name for i in rows])
+        labels = pandas.Series([seedless[i] or runs[i].folder.name for i in rows])
         drawn = {}
         for label, ours in labels.groupby(labels, sort=False).groups.items():
             seeds = f"{len(ours)} seeds, " if len(ours) > 1 else ""
@@ -227,15 +233,7 @@ def runs_content(
     """The page in a folder over runs: soles, values and traces, with the overrides of each run and of all."""
     done = [i for i, run in enumerate(runs) if run.objectives]
     results = [runs[i].result for i in done]
-    first = results[0] if results else {"objectives": {}, "versions": None}
-    # what not all have could not be compared
-    shared = [n for n in first["objectives"] if all(n in r["objectives"] and "units" in r for r in results)]
-    values = np.array([[runs[i].objectives[name] for name in shared] for i in done], float)
-    columns = [column(name, first["units"][name], first["maximise"][name]) for name in shared]
-    flat = np.array([of_flat(runs[i]) for i in done], float)
-    if "efficiency" in shared and np.isfinite(flat).all():
-        values[:, shared.index("efficiency")] = flat
-        columns[shared.index("efficiency")] |= {"title": "J_W", "unit": "x of flat", "maximise": True}
+    columns, values = compared([runs[i] for i in done])
     return {
         "title": f"{len(runs)} runs",
         "headline": about,
@@ -263,7 +261,7 @@ def runs_content(
         },
         "top": [result["settings"]["foot"]["top"] for result in results],
         "best": 0,
-        "entry": {"versions": first["versions"]},
+        "entry": {"versions": results[0]["versions"] if results else None},
         "traces": [
             {"design": design, **_traces(runs[i].folder / "walk.nc")}
             for design, i in enumerate(done)
