@@ -43,7 +43,7 @@ def change(name: str, value: float, base: float) -> str:
 
 def title(name: str) -> str:
     """The name of an objective or of a shape as a reader sees it."""
-    return {"efficiency": "efficiency J_W", "reversed_l": "reversed L"}.get(name, name.replace("_", " "))
+    return {"efficiency": "J_W", "reversed_l": "reversed L"}.get(name, name.replace("_", " "))
 
 
 def sand_title(sand: Sand) -> str:

@@ -1,8 +1,9 @@
 """`Output`: what a run prints, and what it leaves in its folder: result.json, figures, tables, a page."""
 
+import threading
 import time
-from collections.abc import Iterable, Mapping, Sequence
-from contextlib import AbstractContextManager
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -20,6 +21,8 @@ from footopt.foot import Foot
 from footopt.report import terminal
 from footopt.report.progress import Step, progress
 from footopt.walk import MEASURES, Accuracy, Scene, Simulator
+
+PATIENCE = 1.5  # s
 
 
 class Output:
@@ -51,10 +54,16 @@ class Output:
         """Show how far a block is: see `footopt.report.progress.progress`."""
         return progress(self.console, total, unit)
 
-    def compiling(self, what: str = "the walk") -> AbstractContextManager[None]:
-        """Say that something is being compiled if the block takes long."""
+    @contextmanager
+    def compiling(self, what: str = "the walk") -> Iterator[None]:
+        """Say that something is being compiled if the block takes longer than `PATIENCE`."""
         message = f"Compiling {what}; this is done once and kept on disk ..."
-        return terminal.announce_if_slow(self.console, message)
+        timer = threading.Timer(PATIENCE, self.say, [message])
+        timer.start()
+        try:
+            yield
+        finally:
+            timer.cancel()
 
     def write_csv(self, name: str, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
         """Write a table of numbers; a NaN becomes an empty cell."""
@@ -117,9 +126,8 @@ class Output:
 
     def close(self) -> None:
         """Print the last line: where the run has left what it found."""
-        long = len(str(self.folder)) > self.console.width  # no line break in what is to be copied
         line = f"Everything is in {self.folder} ({self.seconds:.3g} s in all)"
-        self.console.print(line, soft_wrap=long or not self.console.is_terminal)
+        self.console.print(line, soft_wrap=True)  # no line break in what is to be copied
 
 
 def foot_entry(foot: Foot) -> dict[str, Any]:

@@ -163,7 +163,7 @@ def compared(runs: Sequence[Row]) -> tuple[list[dict[str, Any]], NDArray[np.floa
     flat = [(r.get("flat") or {}).get("efficiency") or math.nan for r in results]
     if "efficiency" in names and np.isfinite(flat).all():
         values[:, names.index("efficiency")] /= flat
-        columns[names.index("efficiency")] |= {"title": "J_W", "unit": "x of flat", "maximise": True}
+        columns[names.index("efficiency")] |= {"unit": "x of flat", "maximise": True}
     return columns, values
 
 

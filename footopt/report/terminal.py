@@ -8,9 +8,7 @@ import os
 import re
 import sys
 import textwrap
-import threading
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
@@ -75,60 +73,35 @@ def table(
     return shown
 
 
-@contextmanager
-def announce_if_slow(out: Console, message: str, patience: float = 1.5) -> Iterator[None]:
-    """Say what is going on if the block takes longer than `patience` seconds."""
-    timer = threading.Timer(patience, lambda: out.print(message))
-    timer.start()
-    try:
-        yield
-    finally:
-        timer.cancel()
-
-
 def objective_table(
     title: str,
     values: Mapping[str, float],
-    errors: Mapping[str, float],
     flat: Mapping[str, float] | None = None,
-    shares: bool = True,
+    errors: Mapping[str, float] | None = None,
+    under: Mapping[str, Sequence[float]] | None = None,
 ) -> RichTable:
-    """Objectives (rows) of a foot with their estimated errors, and their change from the flat foot's.
+    """Objectives (rows) of a foot beside the flat one, what made most of its gain in J_W first.
 
-    With `shares` it has each factor's share in the gain of J_W, if there is one.
+    `errors` are those of the numbers, `under` the relative changes from the flat foot under other sand laws.
     """
-    parts = gain_shares({**values}, {**flat}) if flat and shares else {}
-    gained = any(map(math.isfinite, parts.values()))
-    titles = ["objective", "unit", title, "error", *(["flat", "change from flat"] if flat else [])]
-    shown = table([*titles, *(["share of J_W's gain"] if gained else [])], words=("objective", "unit"))
-    for name, value in values.items():
-        o = MEASURES[name]
-        cells = [f"{name.replace('_', ' ')} ({'max' if o.maximise else 'min'})", o.unit, number(value)]
-        cells.append(percent(abs(errors[name] / value)) if abs(value) > TINY else "-")
-        if flat:
-            cells += [number(flat[name]), change(name, value, flat[name])]
-        if gained:
-            cells.append(f"{100 * parts[name] + 0.0:.1f} %" if name in parts else "")
-        shown.add_row(*cells)
-    return shown
-
-
-def gains_table(
-    values: Mapping[str, float], flat: Mapping[str, float], under: Mapping[str, Sequence[float]], by: str
-) -> RichTable:
-    """The best foot beside the flat one, what made most of J_W's gain first, without the objective `by`.
-
-    `under` are the relative changes from the flat foot under other sand laws, by objective.
-    """
-    columns = ["objective", "unit", "best", "flat", "change", *(["other laws", ""] if under else [])]
-    shown, parts = table(columns, words=("objective", "unit", "")), gain_shares({**values}, {**flat})
-    for name in sorted(values, key=lambda name: -abs(parts.get(name, 0.0))):
-        if name != by:
-            numbers = number(values[name]), number(flat[name]), change(name, values[name], flat[name])
-            own = values[name] / flat[name] - 1.0 if flat[name] else math.nan
-            laws = [span(name, under[name]), doubtful(own, under[name])] if under else []
-            shown.add_row(name.replace("_", " "), MEASURES[name].unit, *numbers, *laws)
-    return shown
+    parts = gain_shares({**values}, {**flat}) if flat else {}
+    names = sorted(values, key=lambda name: -abs(parts.get(name, 0.0)))
+    columns: dict[str, list[str]] = {
+        "objective": [name.replace("_", " ") for name in names],
+        "unit": [MEASURES[name].unit for name in names],
+        title: [number(values[name]) for name in names],
+    }
+    if errors:
+        shares = {name: abs(errors[name] / values[name]) for name in names if abs(values[name]) > TINY}
+        columns["error"] = [percent(shares.get(name, math.nan)) for name in names]
+    if flat:
+        columns["flat"] = [number(flat[name]) for name in names]
+        columns["change"] = [change(name, values[name], flat[name]) for name in names]
+    if flat and under:
+        own = {name: values[name] / flat[name] - 1.0 if flat[name] else math.nan for name in names}
+        columns["other laws"] = [span(name, under[name]) for name in names]
+        columns[""] = [doubtful(own[name], under[name]) for name in names]
+    return table([*columns], ("objective", "unit", ""), rows=zip(*columns.values(), strict=True))
 
 
 def span(name: str, changes: Sequence[float]) -> str:
@@ -147,14 +120,9 @@ def doubtful(own: float, changes: Sequence[float]) -> str:
     return "sign not certain" if any(own * c < 0.0 for c in changes) else ""
 
 
-def short_title(name: str) -> str:
-    """The name of an objective, of the efficiency its symbol alone."""
-    return "J_W" if name == "efficiency" else title(name)
-
-
 def headline(by: str, value: float, flat: float, under: Mapping[str, Sequence[float]]) -> str:
     """What the best foot gains over the flat one, and by how much under other laws."""
-    laws, name = under.get(by, ()), short_title(by)
+    laws, name = under.get(by, ()), title(by)
     told = f"; {span(by, laws)} under {len(laws)} other laws of sand" if laws else ""
     doubt = doubtful(value / flat - 1.0, laws) if flat else ""
     return f"{name} {change(by, value, flat)} against a flat foot{told}{doubt and f', {doubt}'}."

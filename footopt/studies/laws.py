@@ -7,7 +7,7 @@ from footopt.design import Confirmation, FootProblem, SearchResult
 from footopt.design.laws import REACH, UnderLaws, better_zetas, under_laws
 from footopt.foot import Foot
 from footopt.report import terminal
-from footopt.report.numbers import change, percent
+from footopt.report.numbers import change, percent, title
 from footopt.report.output import foot_entry
 from footopt.studies.runs import Study
 
@@ -60,7 +60,7 @@ def describe_printed(problem: FootProblem, under: UnderLaws, printed: int) -> li
         return [f"To print: this foot. It loses at most {most} to the best one known under each law."]
     name = problem.ranking_objective
     own, *others = (law["change"][name] for law in under.entry(printed))
-    gain = f"{terminal.short_title(name)} {change(name, 1.0 + own, 1.0)} ({terminal.span(name, others)})"
+    gain = f"{title(name)} {change(name, 1.0 + own, 1.0)} ({terminal.span(name, others)})"
     return [
         f"To print: {terminal.describe_foot(to_print(problem, under.k[printed]))}",
         f"{gain}; loses at most {most} under any law, the foot above {best}.",

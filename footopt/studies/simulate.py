@@ -67,7 +67,7 @@ def run(study: Study) -> Any:
     if not walk.feasible:
         study.say(Text(f"The walk failed: {walk.reason} after {len(walk.t)} steps of time.", style="yellow"))
     others = None if flat is walk else base
-    study.say(terminal.objective_table("this sole", values, entry["error_estimate"], others))
+    study.say(terminal.objective_table("this sole", values, others, entry["error_estimate"]))
     study.say(*terminal.describe_model([entry["model_error"]]))
     terminal.print_validity(study.console, diagnostics)
     study.close()

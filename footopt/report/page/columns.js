@@ -13,7 +13,7 @@ const MOST = 1000; // parallel lines of a colour at most
 const COLUMNS = data.columns.map((column, c) => {
   const flat = entry.flat?.[column.name];
   // J_W is told as a multiple of the flat foot's: both are negative
-  const [show, more] = column.name === "efficiency" && flat < 0 ? [(v) => v / flat, { title: "J_W", unit: OF_FLAT, maximise: true }] : [(v) => v, {}];
+  const [show, more] = column.name === "efficiency" && flat < 0 ? [(v) => v / flat, { unit: OF_FLAT, maximise: true }] : [(v) => v, {}];
   return { ...column, ...more, show, flat: flat === undefined ? NaN : show(flat), of: (i) => show(values[i * WIDTH + c]) };
 });
 const plain = (name, unit, of) => ({ name, title: name, unit, maximise: true, variable: true, flat: NaN, show: (v) => v, of });
