@@ -1,5 +1,6 @@
 """Errors of Hydra and OmegaConf in footopt's terms: the setting, its value, what is allowed, what to try."""
 
+import re
 from collections.abc import Sequence
 from difflib import get_close_matches
 
@@ -13,6 +14,8 @@ from footopt.studies import not_read, studies_that_read
 from footopt.studies.settings import known
 
 MORE = "`footopt --help` lists all settings."
+
+NO_NAME = re.compile(r"\[?[-.\d]|(null|true|false)$")  # values that no choice of a group has
 
 #: Parts of OmegaConf's errors of types, and what is allowed instead.
 KINDS = {
@@ -48,8 +51,9 @@ def translate(error: BaseException, overrides: Sequence[str]) -> FootoptError | 
     # footopt =soft, footopt study=simulate foot.k=[1, 2]
     if bad := next((one for one in overrides if one.startswith("=")), getattr(error, "override", "")):
         return FootoptError(f"{bad}: {_syntax(*bad.partition('='))}")
-    if "Config group override must be" in text:  # footopt sand=2.5
-        group, choice = next((name, given[name]) for name in given if name in groups())
+    if "Config group override must be" in text or isinstance(error, TypeError):  # footopt sand=2.5, sand=[2]
+        group = next((name for name in given if name in groups() and NO_NAME.match(given[name])), "")
+        choice = given.get(group, "")
     if text.startswith("Ambiguous value for argument"):  # footopt sand.zeta=1,2
         name, _, value = text.split("'")[1].partition("=")
         measures = name == "objective" and all(f"constraint.{one}" in names for one in value.split(","))

@@ -252,10 +252,13 @@ def check_read(config: Config, overrides: Iterable[str]) -> None:
     """
     study, shape = config.study.name, config.foot.shape
     for override in overrides:
-        given = override.lstrip("+~/").partition("=")[0].partition("@")[0]
+        name, _, text = override.lstrip("+~/").partition("=")
+        given = name.partition("@")[0]
         group, dot, _ = given.partition(".")
         if group not in (*GROUPS, *SETTING_OF_GROUP):
             continue  # of the user's own
+        one = dot or group in ("effects", "plugins") or not text.startswith("[")  # Hydra merges several
+        check(one, given, text, "one name", f"For a run of each: footopt -m {given}={text.strip('[]')}")
         if group == "foot" and shape != "waypoints" and isinstance(config.study, SearchSettings):
             continue  # the study refuses that foot
         name = given if dot else SETTING_OF_GROUP.get(given, f"{given}.name")

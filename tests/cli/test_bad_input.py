@@ -20,6 +20,9 @@ COMMANDS = {
     # names and choices that are not there
     "sand=quicksand": "sand = 'quicksand'",
     "sand=2.5": "sand.zeta=2.5",
+    "solver=nsga2 sand=[1,2]": "sand = '[1,2]'",
+    "solver=[ga,nsga2]": "footopt -m solver=ga,nsga2",
+    "foot=[1,2]": "foot.k = [1, 2]",
     "snad=soft": "sand=soft",
     "seed=3": "solver.seed=3",
     "+sand.density=1600": "sand.density",
