@@ -4,7 +4,9 @@
 writes a row for each search into `outputs/optimisers.csv`, from which it goes on where it was stopped; the
 tables follow. `pip install -e ".[benchmark]"` installs `cma`; without it that optimiser is left out. A scene
 is drawn by its number: gait, walker, sand, effects, and how many waypoints and levels a sole has. The
-solvers were tuned on scenes 1, 4 and 8; those that are judged begin at 101.
+solvers were tuned on scenes 1, 4 and 8; those that are judged begin at 101. Scenes from 601 on are rugged:
+zeta from 10 to 100, slopes, the leading edge and inertia (`--scenes 601 602 ...`). 701 to 703 are a biped in
+MuJoCo on soft, regular and hard sand, whose walks are dear (`--walks 1000`).
 
 A walk is a different sole inside its box. One that comes up again, or that leaves its box, costs nothing: the
 optimiser is told how far the sole leaves it, which is worse than any walk. Optimisers of real numbers see
@@ -30,11 +32,12 @@ from measure import arguments
 
 import footopt as fo
 from footopt.design import SOLVERS
+from footopt.design.solvers.moves import shifts
 from footopt.errors import MissingError, needed
 from footopt.gait.fourier import Fourier
 
-FIRST_SCENE, MANY = 101, 10_000
-BUDGETS = (300, 1_000, MANY)
+FIRST_SCENE, RUGGED, BIPEDS, MANY = 101, 601, (701, 702, 703), 10_000
+BUDGETS = (100, 300, 1_000, MANY)
 WITHIN = 1e-3  # of the best known, relative
 ASKED = 20  # designs for each walk, at most: an optimiser that only asks for known ones would never end
 COARSELY = fo.Accuracy(
@@ -139,6 +142,23 @@ def of_pymoo(path: str) -> Callable[[Counted, int], None]:
     return run
 
 
+def local_search(value: Counted, seed: int) -> None:
+    """Iterated local search by shifts of runs of waypoints: first improvement, kicks of three shifts."""
+    rng, moves = np.random.default_rng(seed), shifts(value.n)
+    k = value.problem.space.random(1, seed, inside=True)[0]
+    least, home, best = float(value(k)[0]), k, np.inf
+    while True:
+        for move in rng.permutation(moves):
+            if ((k + move >= 1) & (k + move <= value.K)).all() and (f := float(value(k + move)[0])) < least:
+                k, least = k + move, f
+                break
+        else:
+            if least <= best:
+                home, best = k, least
+            k = np.clip(home + rng.permutation(moves)[:3].sum(axis=0), 1, value.K)
+            least = float(value(k)[0])
+
+
 def scipy_de(value: Counted, seed: int) -> None:
     """Differential evolution of SciPy over whole numbers, at its defaults."""
     from scipy.optimize import differential_evolution
@@ -159,12 +179,16 @@ PEERS: dict[str, Callable[[Counted, int], None]] = {
     "pymoo_pso": of_pymoo("pso:PSO"),
     "pymoo_cmaes": of_pymoo("cmaes:CMAES"),
     "scipy_de": scipy_de,
+    "ils": local_search,
 }
 RUNS = ("memetic", "ga", *PEERS)
 
 
 def draw(number: int, objective: str | tuple[str, ...] = "efficiency") -> fo.FootProblem:
     """The scene and space of a number, in which most random soles can walk."""
+    if number in BIPEDS:
+        robot = fo.mujoco.Robot(sand=fo.Sand.named(("soft", "regular", "hard")[number - BIPEDS[0]]))
+        return fo.FootProblem(robot, objective, None, fo.Accuracy(dt=2e-3, plates=32), 1)
     for attempt in range(20):
         rng = np.random.default_rng([number, attempt])
         gait = fo.Gait.human(
@@ -174,8 +198,11 @@ def draw(number: int, objective: str | tuple[str, ...] = "efficiency") -> fo.Foo
         gait = replace(gait, thigh=thigh, knee=knee, foot=foot, name=f"drawn {number}")
         leg = rng.uniform(0.8, 1.2)
         mass = float(np.exp(rng.uniform(np.log(30), np.log(100))))
-        zeta = float(np.exp(rng.uniform(np.log(0.2), np.log(12))))
+        soft, hard = (10, 100) if number >= RUGGED else (0.2, 12)
+        zeta = float(np.exp(rng.uniform(np.log(soft), np.log(hard))))
         effects = EFFECTS[str(rng.choice(list(EFFECTS), p=[0.5, 0.25, 0.25]))]
+        if number >= RUGGED and rng.random() < 0.5:
+            effects += (fo.Slope(float(rng.uniform(-8.0, 8.0))),)
         space = fo.Waypoints(n=int(rng.choice([9, 11, 13])), K=int(rng.choice([8, 10, 14])))
         walker = fo.Walker(mass=mass, l1=0.47 * leg, l2=0.45 * leg)
         scene = fo.Scene(sand=fo.Sand(zeta=zeta), gait=gait, walker=walker, effects=effects)
