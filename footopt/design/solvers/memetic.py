@@ -240,20 +240,27 @@ class Archive(Moves):
         if self.sought:
             self.alone[self.turn]._advance(told=told.take(slice(self.sought)).by(self.turn))
         front = self.front.joined(told)
-        self.front = front = front.take(front.front())
-        if len(front.X) > REMEMBERED:
-            self.front = front = self._survivors(front, REMEMBERED // 2)
-        self._go_on_with(self._survivors(front if len(front.X) > FEW else self.pool.joined(told), FEW))
+        self.front = front.take(front.front())
+        if len(self.front.X) > REMEMBERED:
+            self.front = self._least_crowded(REMEMBERED // 2)
+        self._go_on_with(self._least_crowded(FEW) if len(self.front.X) > FEW else self._survivors(told))
 
-    def _survivors(self, pool: Pool, most: int) -> Pool:
-        """Those of a population whom NSGA-II would let survive."""
+    def _survivors(self, told: Pool) -> Pool:
+        """Those of the parents and of new designs whom NSGA-II would let survive."""
         from pymoo.operators.survival.rank_and_crowding import RankAndCrowding
 
-        by_rank = RankAndCrowding()
-        if pool is self.front and pool.violation[0] <= 0.0:
-            by_rank.filter_infeasible = False  # like its first, all of it is feasible
-        survive = {"n_survive": min(most, len(pool.X)), "random_state": self.random_state}
-        return pool.take(by_rank.do(self.problem, pool.pop, return_indices=True, **survive))
+        pool = self.pool.joined(told)
+        survive = {"n_survive": min(FEW, len(pool.X)), "random_state": self.random_state}
+        return pool.take(RankAndCrowding().do(self.problem, pool.pop, return_indices=True, **survive))
+
+    def _least_crowded(self, most: int) -> Pool:
+        """As many of the front, as NSGA-II chooses among designs of one rank."""
+        from pymoo.operators.survival.rank_and_crowding.metrics import get_crowding_function
+        from pymoo.util.randomized_argsort import randomized_argsort
+
+        crowding = get_crowding_function("cd").do(self.front.F, n_remove=len(self.front.X) - most)
+        draw = {"method": "numpy", "random_state": self.random_state}
+        return self.front.take(randomized_argsort(crowding, order="descending", **draw)[:most])
 
     def _set_optimum(self) -> None:
         self.opt = self.front.pop
