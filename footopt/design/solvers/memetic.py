@@ -148,9 +148,14 @@ class Moves(Algorithm):
         """Designs that are remembered."""
         return sum(len(F) for _, F in self.learnt)
 
+    def _every(self) -> tuple[Array, Array]:
+        """Heights and objectives of all remembered designs."""
+        X, F = map(np.concatenate, zip(*self.learnt, strict=True))
+        return X, F
+
     def _kept(self, newest: int) -> tuple[Array, Array]:
         """Heights and objectives of the best of the remembered designs, and of so many of the newest."""
-        X, F = (np.concatenate(column) for column in zip(*self.learnt, strict=True))
+        X, F = self._every()
         best = ranks(F).min(axis=1)[: len(F) - newest].argsort(kind="stable")[: TRAINED // 2]
         chosen = np.concatenate([np.sort(best), np.arange(len(F) - newest, len(F))])
         return X[chosen], F[chosen]
@@ -282,7 +287,7 @@ class Archive(Moves):
     def _ends(self, count: int) -> Ints:
         """Of children of the best by one objective, each in its turn, those that should be best by it."""
         by, draw = len(self.learnt) % self.problem.n_obj, self.random_state
-        X, F = self._kept(self.told)
+        X, F = self._every()
         best = X[np.argsort(F[:, by], kind="stable")[:PARENTS]].astype(np.int64)
         one, other = (best[draw.integers(len(best), size=CHILDREN)] for _ in range(2))
         crossed = draw.random(CHILDREN) < CROSSED
@@ -302,7 +307,7 @@ class Archive(Moves):
 
     def _begun(self, by: int) -> Memetic:
         """A search for the best by one objective, from the best by it so far."""
-        alone, (X, F) = Memetic(), self._kept(self.told)
+        alone, (X, F) = Memetic(), self._every()
         alone.problem, alone.random_state, alone.proposed = self.problem, self.random_state, self.proposed
         best = F[:, by].argsort(kind="stable")[:PARENTS]
         begin = Pool(Population.new(X=X[best]), X[best].astype(np.int64), F[best], np.zeros(len(best)))
