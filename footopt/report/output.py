@@ -106,21 +106,17 @@ class Output:
         tables: Sequence[Table],
         content: Mapping[str, Any],
         summary: Sequence[str | Text] = (),
-        about: Sequence[str] = (),
-        warnings: Sequence[str] = (),
-        footer: Mapping[str, Any] | None = None,
     ) -> None:
         """Write result.json and report.html, then print the tables, the summary, and where all is.
 
         `content` is the study's own part of result.json, `summary` what follows from the tables, a paragraph
-        each. The page alone has `about` and `warnings`, and the entries of `footer`.
+        each.
         """
-        record = self.write_result(content) | dict(footer or {})
+        record = self.write_result(content)
         if self.wants_report:
             from footopt.report import page
 
-            headline = [*about, *map(str, summary)]
-            page.write_study(self.folder, title, headline, self._captions, tables, record, warnings)
+            page.write_study(self.folder, title, [*map(str, summary)], self._captions, tables, record)
         self.say(*tables, *summary)
         self.close()
 

@@ -66,8 +66,6 @@ def run(study: Study) -> None:
     settings = [
         (of.stepper, numbers_at(of, scene, rung)) for of in fine for rung in ladder(of, scene, space)[1].path
     ] + [*preset.items()]
-    about = f"{len(settings)} settings, {count} feet inside their box"
-    study.say(about)
     measured = []
     with study.progress(len(settings) + 1, "setting") as step:
         truth = evaluate(feet, scene, CONVERGED, MEASURED, space, study.config.engine.threads).values
@@ -87,8 +85,10 @@ def run(study: Study) -> None:
             **scene_entry(scene, numerics(CONVERGED, scene, space), MEASURED),
             "presets": [m.row for m in presets],
         },
-        summary=[_describe(m, others) for m in presets],
-        about=[about],
+        summary=[
+            f"{len(settings)} settings, {count} feet inside their box.",
+            *(_describe(m, others) for m in presets),
+        ],
     )
 
 

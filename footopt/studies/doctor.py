@@ -33,9 +33,7 @@ def run(study: Study) -> None:
     if cache is None:
         wrong.append("No cache folder can be written. Set NUMBA_CACHE_DIR to one that can.")
     table = terminal.table(("", "found"), ("", "found"), rows=found.items())
-    verdict = [] if wrong else ["All is as it should be."]
-    study.conclude(
-        "Is the installation sound?", [table], {"findings": found}, summary=verdict, warnings=wrong
-    )
+    verdict = wrong or ["All is as it should be."]
+    study.conclude("Is the installation sound?", [table], {"findings": found}, verdict)
     if wrong:
         raise FootoptError(f"study=doctor: {' '.join(wrong)}")

@@ -53,7 +53,7 @@ def pages(front, tmp_path_factory):
     shown = terminal.table(("name", "a number"), words=("name",), title="What came out")
     shown.add_row("[bold]", "1.25 %")
     says = {"contour": 'A sole, and a "quoted" <word>.'}
-    page.write_study(folder, "A study", ["What <it> found"], says, [shown], {"study": "effects"}, [])
+    page.write_study(folder, "A study", ["What <it> found"], says, [shown], {"study": "effects"})
     (folder / "report.html").rename(folder / "study.html")
     written = {name: page.write(folder / f"{name}.html", content) for name, content in contents.items()}
     return written | {name: folder / f"{name}.html" for name in ("runs", "study")}

@@ -94,7 +94,7 @@ def test_names_are_escaped(walked, monkeypatch, tmp_path):
         assert "<script" not in plot.card(shown)
         assert "alert(" in plot.card(shown)
     table = terminal.table((NASTY,), rows=[(NASTY,)])
-    written = write_study(tmp_path, NASTY, [NASTY], {}, [table], {"settings": {NASTY: NASTY}}, [NASTY])
+    written = write_study(tmp_path, NASTY, [NASTY], {}, [table], {"settings": {NASTY: NASTY}})
     assert NASTY.partition("(")[0] not in written.read_text(encoding="utf-8")
 
 

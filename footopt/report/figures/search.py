@@ -49,10 +49,6 @@ def draw_convergence(axes: Axes, history: Sequence[Any], label: str, base: float
     upright = label if base is None else f"{label} (× of flat)"
     axes.set(xlabel="evaluations", ylabel=textwrap.fill(upright, 32))
     axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
-    if not np.isfinite(best).any():
-        style.message(axes, "no feasible design was found")
-        axes.set_xticks([])
-        return
     scale, look = base or 1.0, {"color": style.BEST, "drawstyle": "steps-post", "zorder": 3}
     # a best value holds until a better one is found
     axes.plot(evaluations, best / scale, label="best so far", **look)

@@ -21,11 +21,10 @@ def importance(k: NDArray[np.int64], values: Array, seed: int = 0) -> dict[str, 
     """
     rng = np.random.default_rng(seed)
     rows = rng.permutation(np.flatnonzero(np.isfinite(values)))[: 2 * MOST]
-    moves = np.ptp(k[rows], axis=0) > 0 if len(rows) else np.zeros(k.shape[1], bool)
-    pairs = np.triu_indices(int(moves.sum()))
-    if len(rows) < 2 * PER_TERM * (1 + int(moves.sum()) + len(pairs[0])) or not np.ptp(values[rows]):
+    pairs = np.triu_indices(n := k.shape[1])
+    if len(rows) < 2 * PER_TERM * (1 + n + len(pairs[0])) or not np.ptp(values[rows]):
         return None
-    z = (k[rows][:, moves] - k[rows][:, moves].mean(axis=0)) / k[rows][:, moves].std(axis=0)
+    z = (k[rows] - k[rows].mean(axis=0)) / np.maximum(k[rows].std(axis=0), 1e-12)  # one may never move
     y = (values[rows] - values[rows].mean()) / values[rows].std()
 
     def terms(x: Array) -> Array:
@@ -38,12 +37,11 @@ def importance(k: NDArray[np.int64], values: Array, seed: int = 0) -> dict[str, 
     def error(x: Array) -> float:
         return float(np.mean((told - terms(x) @ weights) ** 2))
 
-    least, rises = error(judge), np.zeros(k.shape[1])
-    for place, waypoint in enumerate(np.flatnonzero(moves)):
+    least, rises = error(judge), np.zeros(n)
+    for waypoint in range(n):
         shuffled = judge.copy()
-        shuffled[:, place] = rng.permutation(judge[:, place])
+        shuffled[:, waypoint] = rng.permutation(judge[:, waypoint])
         rises[waypoint] = max(error(shuffled) - least, 0.0)
-    explained = 1.0 - least / float(told.var())
-    return (
-        {"shares": rises / rises.sum(), "explained": explained} if explained > 0.0 and rises.any() else None
-    )
+    if not rises.any() or least >= told.var():
+        return None
+    return {"shares": rises / rises.sum(), "explained": 1.0 - least / float(told.var())}

@@ -29,19 +29,17 @@ def write_study(
     figures: Mapping[str, str],
     tables: Sequence[RichTable],
     entry: Mapping[str, Any],
-    warnings: Sequence[str] = (),
 ) -> Path:
     """Write the page of a study of many walks, report.html.
 
-    The folder of the run has the `figures` (captions by name) as SVG in its folder "figures". `headline` and
-    `warnings` are paragraphs, `tables` those of the terminal; a cell that is the name of a file in the folder
-    is a link to it. `entry` is the run's result.json.
+    The folder of the run has the `figures` (captions by name) as SVG in its folder "figures". `headline` are
+    paragraphs, `tables` those of the terminal; a cell that is the name of a file in the folder is a link to
+    it. `entry` is the run's result.json.
     """
     files = {path.name for path in folder.iterdir() if path.is_file()}
     content = {
         "title": title,
         "headline": headline,
-        "warnings": warnings,
         "figures": [
             {"says": says, **_inline(folder / "figures" / f"{name}.svg")} for name, says in figures.items()
         ],
