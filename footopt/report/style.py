@@ -139,7 +139,7 @@ def legend_above(figure: Figure) -> None:
     """One legend above all axes: a name for each thing, with as many columns as fit beside each other."""
     handles: dict[str, Any] = {}
     for axes in figure.axes:
-        handles |= {label: handle for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)}
+        handles |= dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
     if not handles:
         return
     labels = [textwrap.fill(label, 50) for label in handles]

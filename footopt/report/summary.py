@@ -1,4 +1,4 @@
-"""Runs side by side: read from their folders into a table, with fronts, seeds summarised, and a page."""
+"""Runs side by side: read from their folders into a table, with fronts and a page."""
 
 import math
 import os
@@ -32,7 +32,6 @@ ROOM, COLUMN = 26, 10  # letters of its first and last column, and of each betwe
 SEED = "solver.seed"
 #: Settings that do not change which problem is searched.
 OUTSIDE_PROBLEM = ("solver.", "engine.", "study.", "choose.", "report", "plugins", "accuracy.")
-QUANTILES = {0.5: "median", 0.25: "q1", 0.75: "q3"}
 NUMBERS = ("evaluations", "hypervolume", "wall_time_s", "search_time_s")  # of result.json
 
 
@@ -132,18 +131,15 @@ def compare(folder: Path, folders: Sequence[Path]) -> int:
     for name, run in zip(names, runs, strict=True):
         if run.note:
             out.print(f"{name}: {run.note}", soft_wrap=True)
-    settings, whole = varied(runs), as_frame(runs)
+    whole = as_frame(runs)
     for i, (rows, shares, figure) in enumerate(fronts(runs, own)):
         whole.loc[rows, "hypervolume_share"] = shares
         if len(rows) > 1:
             (picture,) = save(figure, folder / "figures", f"fronts_{i + 1}" if i else "fronts", ["png"])
             out.print(f"Fronts side by side: {picture}", soft_wrap=True)
     values = whole.drop(columns=["folder", *{name for run in runs for name in run.settings}])
-    whole = pandas.concat([pandas.Series(names, name="run"), settings, values], axis=1)
-    write_csv(folder / "summary.csv", whole)
-    if (spread := over_seeds(settings, values.select_dtypes("number"))) is not None:
-        write_csv(folder / "seeds.csv", spread)
-        out.print(f"Median and quartiles over seeds: {folder / 'seeds.csv'}", soft_wrap=True)
+    labels = pandas.Series(names, name="run")
+    write_csv(folder / "summary.csv", pandas.concat([labels, varied(runs), values], axis=1))
     page.write(folder / "report.html", runs_content(folder, runs, names, list(map(" ".join, own)), about))
     results = [run.result for run in runs]
     return sum(not r or (r.get("study") == "simulate" and bool(r.get("reason"))) for r in results)
@@ -213,18 +209,6 @@ def fronts(runs: Sequence[Row], own: Sequence[Sequence[str]]) -> list[tuple[list
             drawn[f"{label}: {seeds}hypervolume {share}"] = pandas.concat([frames[i] for i in ours])
         found.append((rows, shares, scatter_matrix(drawn, names)))
     return found
-
-
-def over_seeds(settings: pandas.DataFrame, values: pandas.DataFrame) -> pandas.DataFrame | None:
-    """Median and quartiles of runs that differ by their seeds only, a row each; None if no two of them do."""
-    own = [name for name in settings if name != SEED]
-    groups = values.groupby([settings[name] for name in own] or [0] * len(values), sort=False)
-    if SEED not in settings or groups.size().max() < 2:
-        return None
-    spread = groups.quantile([*QUANTILES]).unstack(sort=False)
-    spread.columns = [f"{name}_{QUANTILES[q]}" for name, q in spread.columns]
-    spread.insert(0, "seeds", groups.size())
-    return spread.reset_index(names=own) if own else spread
 
 
 def runs_content(

@@ -3,9 +3,8 @@
 const WIDTH = data.columns.length, values = oneMore(unpack(data.designs.values), WIDTH), COUNT = values.length / WIDTH - 1;
 const DRAWN = COUNT; // the design after the last is the one that is drawn on the page
 const generation = data.designs.generation && unpack(data.designs.generation);
-const feasible = [...(data.designs.feasible.data ? unpack(data.designs.feasible) : data.designs.feasible)];
-const reason = (i) => i === DRAWN ? sketch.reason : data.designs.reasons[data.designs.reason ? reasonCodes[i] : i];
-const reasonCodes = data.designs.reason && unpack(data.designs.reason);
+const feasible = [...data.designs.feasible];
+const reason = (i) => i === DRAWN ? sketch.reason : data.designs.reasons[i];
 const front = new Set(data.front ? unpack(data.front) : []);
 const MOST = 1000; // parallel lines of a colour at most
 

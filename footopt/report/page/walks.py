@@ -16,12 +16,7 @@ from footopt.report.page.importance import importance
 from footopt.report.page.physics import physics, spline
 from footopt.report.stage import forces_along, ground, groups
 from footopt.report.style import sides
-from footopt.report.terminal import (
-    describe_confirmation,
-    describe_few,
-    describe_scene,
-    describe_search,
-)
+from footopt.report.terminal import describe_confirmation, describe_few, describe_scene, describe_search
 from footopt.sand.law import EARTH
 from footopt.walk import MEASURES, Scene, Simulator, Walk
 from footopt.walk.accuracy import AnyAccuracy
@@ -87,7 +82,6 @@ def search_content(
     room = min(SHOWN - len(result.shown), len(others))
     even = others[np.linspace(0, len(others) - 1, room).astype(int)]
     rows = np.union1d(result.shown, [*even, chosen, *printed])
-    reasons, codes = np.unique(result.reasons[rows], return_inverse=True)
     certificate = entry.get("certificate")
     kind = "A hollow foot" if best.foot.hollow > HOLLOW * problem.space.H else "A foot"
     return {
@@ -109,9 +103,8 @@ def search_content(
             "values": packed(result.values[rows]),
             "k": packed(result.k[rows]),
             "generation": None if exact else packed(result.generation[rows]),
-            "feasible": packed(result.feasible[rows].astype(int)),
-            "reasons": reasons,
-            "reason": packed(codes),
+            "feasible": result.feasible[rows].astype(int),
+            "reasons": result.reasons[rows],
         },
         "space": spline(problem.space),
         "top": problem.space.top,
