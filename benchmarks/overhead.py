@@ -17,7 +17,7 @@ from footopt.design.solvers import Solver
 from footopt.walk import batch
 
 # functions of the same names hide these modules in their packages
-simulate_module = import_module("footopt.walk.simulate")
+scene_module = import_module("footopt.walk.scene")
 prepare_module = import_module("footopt.walk.discretize")
 problem_module = import_module("footopt.design.problem")
 
@@ -56,7 +56,7 @@ class Clock:
         with ExitStack() as stack:
             for owner, attribute, name in (
                 (batch, "walk_range", "kernel"),
-                (simulate_module, "walk_batch", "walk"),
+                (scene_module, "walk_batch", "walk"),
                 (batch, "as_plates", "plates"),
                 (prepare_module, "soles", "blocks"),
                 (problem_module, "evaluate", "evaluate"),

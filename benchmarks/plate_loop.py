@@ -17,9 +17,9 @@ from numba import njit
 from numpy.typing import NDArray
 
 import footopt as fo
-from footopt.foot import as_plates
+from footopt.foot import Soles, as_plates
 from footopt.walk.contact import foot_force
-from footopt.walk.discretize import sole_of, world
+from footopt.walk.discretize import sole_of
 from footopt.walk.state import Ankle, Part, World, plates_between
 
 Array = NDArray[np.float64]
@@ -46,10 +46,10 @@ def _repeat(out, sole, world, motion, jacobian, repeats, change):
 def submerged_sole(plates: int) -> tuple[Part, World]:
     """A random foot's plates, a multiple of `contact.LANES`, and regular sand's law."""
     space = fo.Waypoints()
-    feet = as_plates(space.random(1, 5, inside=True), plates, "arc", space)
+    feet = as_plates(Soles(space.random(1, 5, inside=True), space), plates, "arc")
     sole = sole_of(feet)._replace(span=0.0)  # the C loop smooths no turn
     part: Part = plates_between(sole, None, 0, plates)
-    return part, world(fo.Scene(sand=fo.Sand.named("regular")), fo.Accuracy())
+    return part, fo.Scene(sand=fo.Sand.named("regular")).constants(fo.Accuracy())
 
 
 def compiled(plates: int, jacobian: bool) -> Sums:

@@ -35,6 +35,7 @@ import numpy as np
 import footopt as fo
 from footopt.design.scenarios import deformed
 from footopt.errors import FootoptError
+from footopt.foot import as_feet
 from footopt.sand import MEDIA
 from footopt.walk.accuracy import PRESETS, work
 from footopt.walk.ladder import numerics
@@ -204,7 +205,7 @@ def scale_of(values):
 
 def truth_of(feet, scene, space=None):
     """Objectives and reasons by much finer plates, creep speed and steps."""
-    own = numerics(PRESETS["standard"], scene, feet, space)
+    own = numerics(PRESETS["standard"], scene, as_feet(feet, space))
     period, speed = scene.gait.period / 1.2, (scene.walker.l1 + scene.walker.l2) / scene.gait.period
     plates = min(max(1024, 8 * own.plates), 6400)
     creep = min(2.6e-6 * speed, own.creep / 8)
@@ -226,7 +227,7 @@ def judge(feet, scene, accuracy="standard", space=None):
 
 def work_of(table):
     """What each walk of a table takes on any machine, in evaluations of a plate."""
-    return work(table.evaluations, table.plates)
+    return work(table.evaluations, table.counts["plates"])
 
 
 def promises(found):

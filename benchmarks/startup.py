@@ -19,9 +19,7 @@ PACKAGE = Path(footopt.__file__).parent
 #: The statement that is timed with nothing compiled, and one that compiles a small function only.
 FIRST = "import footopt as fo; table = fo.evaluate([[5] * 11, [6] * 11])"
 
-SMALL = (
-    "from footopt.foot import Waypoints, as_plates; as_plates([[5] * 11, [6] * 11], 20, 'arc', Waypoints())"
-)
+SMALL = "from footopt.foot import as_feet, as_plates; as_plates(as_feet([[5] * 11, [6] * 11]), 20, 'arc')"
 
 #: Statements whose cost is that of an interpreter of their own, less that of an empty one.
 WARM = {

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 import footopt as fo
 from footopt.effects import laws
 from footopt.foot import Plates
-from footopt.walk.discretize import sole_of, world
+from footopt.walk.discretize import sole_of
 from footopt.walk.loop import both_feet
 from footopt.walk.own_code import compiled_for
 from footopt.walk.state import COUNTS, Force, Motion
@@ -31,7 +31,7 @@ def feel(plates, pose, vx, vz, *on, zeta=1.0, creep=1e-2, stage=None, x=0.0, z=0
     acting = laws(scene.effects)
     if not acting.directed:
         plates = plates._replace(tx=None, tz=None)
-    counts, constants = np.zeros(1, COUNTS)[0], world(scene, fo.Accuracy(creep=creep))
+    counts, constants = np.zeros(1, COUNTS)[0], scene.constants(fo.Accuracy(creep=creep))
     state = constants, sole_of(plates), np.array([pose, SKY]), Motion(x, z, vx, vz), creep, stage, counts
     found = compiled_for(both_feet, acting.all)(*state)
     assert found.right == Force(*[0.0] * 7)

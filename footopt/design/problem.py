@@ -84,7 +84,7 @@ class FootProblem(Problem):
 
     def __init__(
         self,
-        scene: Scene | Simulator | None = None,
+        scene: Simulator | None = None,
         objective: str | Sequence[str] = "efficiency",
         space: Waypoints | None = None,
         accuracy: AnyAccuracy | str = "standard",
@@ -93,7 +93,7 @@ class FootProblem(Problem):
         choose: Choice | str = "knee",
     ) -> None:
         self.scene = Scene() if scene is None else scene
-        check_kind(self.scene, (Scene, Simulator), "scene", "Try fo.Scene(sand=...)")
+        check_kind(self.scene, Simulator, "scene", "Try fo.Scene(sand=...)")
         self.space = space or Waypoints()
         self.accuracy: AnyAccuracy = resolve(accuracy)
         self.threads = threads

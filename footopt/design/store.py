@@ -28,7 +28,6 @@ from footopt.design.problem import Array, FootProblem
 from footopt.errors import FileError, named
 from footopt.walk.objectives import MEASURES
 from footopt.walk.own_code import is_own, own_code, source_of
-from footopt.walk.simulator import Simulator
 from footopt.walk.steppers import STEPPERS
 
 APPLICATION = int.from_bytes(b"foot")  # marks the file as ours (SQLite's application_id)
@@ -261,10 +260,9 @@ def context(problem: FootProblem) -> dict[str, Any]:
     del space["box_tolerance"]
     stepper = STEPPERS[problem.accuracy.stepper].parameters
     laws = [effect.law for effect in getattr(problem.scene, "effects", ()) if effect.law is not None]
-    given = problem.scene.own() if isinstance(problem.scene, Simulator) else ()
     judges = [MEASURES[name].value for name in problem.record if name in MEASURES]
     kinds = type(problem).__mro__
-    own = (*judges, *own_code(laws, stepper), *given, *kinds[: kinds.index(FootProblem)])
+    own = (*judges, *own_code(laws, stepper), *problem.scene.own(), *kinds[: kinds.index(FootProblem)])
     return {
         "problem": type(problem).__name__,
         **{name: plain(value) for name, value in problem.conditions.items()},

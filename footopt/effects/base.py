@@ -28,12 +28,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit, types
 from numba.extending import overload, register_jitable
-from numpy.typing import NDArray
 
+from footopt.arrays import Array
 from footopt.compiled import FAST, INLINE
 from footopt.errors import SettingError, check
 
-Array = NDArray[np.float64]
 Reshape = Callable[[Array], Array]  # of soles (designs, points, 2), m
 
 MOST = 100  # layers, or patches: a walk looks at each

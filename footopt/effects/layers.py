@@ -9,7 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from footopt.effects.base import EFFECTS, MOST, Array, Effect, as_floats, check_factors, numbers
+from footopt.arrays import Array
+from footopt.effects.base import EFFECTS, MOST, Effect, as_floats, check_factors, numbers
 from footopt.effects.dual import positive
 from footopt.errors import check
 

@@ -6,7 +6,8 @@ import itertools
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from footopt.effects.base import EFFECTS, MOST, Array, Effect, as_floats, check_factors, numbers
+from footopt.arrays import Array
+from footopt.effects.base import EFFECTS, MOST, Effect, as_floats, check_factors, numbers
 from footopt.effects.dual import clipped
 from footopt.errors import check
 

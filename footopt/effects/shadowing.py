@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from footopt.arrays import Array
 from footopt.compiled import cached_njit
 from footopt.effects.base import EFFECTS, Effect
 from footopt.errors import check
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

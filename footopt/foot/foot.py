@@ -7,14 +7,12 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from footopt.arrays import Array, Ints
 from footopt.errors import check
 from footopt.foot.plates import RULES, Fill, Plates, along_arc
 from footopt.foot.shapes import SHAPES
 from footopt.foot.waypoints import Waypoints, check_dimensions, check_length, heights_text
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -152,7 +150,7 @@ class Foot:
         self, plates: int, rule: str = "arc", directed: bool = False, fill: Fill | None = None
     ) -> Plates:
         """Cut the sole into plates, (1, plates); see `as_plates`."""
-        return as_plates([self], plates, rule, None, directed, fill)
+        return as_plates([self], plates, rule, directed, fill)
 
     @property
     def hollow(self) -> float:
@@ -191,10 +189,36 @@ def lower_hull(contour: Array) -> tuple[Array, float, float, float]:
     return corners, float(x[i]), float(floor[i]), float(floor[i] + gap[i])
 
 
-def as_feet(feet: Any) -> Any:
-    """Feet as they are, one foot as a list of one, and anything else as heights (designs, n)."""
+@dataclass(frozen=True, eq=False)
+class Soles(Sequence[Foot]):
+    """Soles through waypoints; each becomes a `Foot` where it is asked for.
+
+    Parameters
+    ----------
+    k : (designs, n)
+        Their heights.
+    space : Waypoints
+        Their design space.
+    """
+
+    k: Array | Ints
+    space: Waypoints
+
+    def __len__(self) -> int:
+        return len(self.k)
+
+    def __getitem__(self, index: Any) -> Any:
+        if isinstance(index, slice):
+            return Soles(self.k[index], self.space)
+        return Foot.from_waypoints(self.k[index], self.space)
+
+
+def as_feet(feet: Any, space: Waypoints | None = None) -> Sequence[Foot]:
+    """Feet as they are, one foot as a list of one, and heights of waypoints (designs, n) as `Soles`."""
     if isinstance(feet, Foot):
         return [feet]
+    if isinstance(feet, Soles):
+        return feet
     if isinstance(feet, Sequence) and any(isinstance(foot, Foot) for foot in feet):
         check(all(isinstance(foot, Foot) for foot in feet), "feet", feet, "all Foot, or all waypoint heights")
         return feet
@@ -204,32 +228,24 @@ def as_feet(feet: Any) -> Any:
         heights = np.empty(0, object)
     allowed = "Foot, a list of these, or heights of waypoints (designs, n)"
     check(heights.ndim == 2 and heights.dtype.kind in "iuf", "feet", feet, allowed)
-    return heights if heights.size else []
+    return Soles(heights, space or Waypoints(n=heights.shape[1])) if heights.size else []
 
 
 def as_plates(
-    feet: Any,
-    plates: int,
-    rule: str,
-    space: Waypoints | None,
-    directed: bool = False,
-    fill: Fill | None = None,
+    feet: Sequence[Foot], plates: int, rule: str, directed: bool = False, fill: Fill | None = None
 ) -> Plates:
-    """The plates of feet, or of waypoint heights (designs, n) in `space`.
+    """The plates of feet.
 
     `fill` changes the soles before they are cut, as an effect does (`footopt.effects.reshaping`); the rest is
-    as of `Plates.from_points`. Raises `SettingError` if there are feet and other things among `feet`, or open
-    and closed ones.
+    as of `Plates.from_points`. Raises `SettingError` if there are open and closed ones among the feet.
     """
-    feet = as_feet(feet)
     bodies: Sequence[Foot | Waypoints] = feet
-    if isinstance(feet[0], Foot):
+    if isinstance(feet, Soles):
+        bodies, points = [feet.space], feet.space.points(feet.k, plates * RULES[rule])
+    else:
         same = len({foot.closed for foot in feet}) == 1
         check(same, "foot.closed", "both in one batch", "the same for all feet of a batch")
         points = np.stack([foot.points(plates, RULES[rule]) for foot in feet])
-    else:
-        bodies = [space or Waypoints(n=feet.shape[1])]
-        points = bodies[0].points(feet, plates * RULES[rule])
     ankle, width, top = (np.array([getattr(b, n) for b in bodies], float) for n in ("ankle", "width", "top"))
     points = points if fill is None else fill(points)
     return Plates.from_points(points, ankle, width, rule, directed, top if bodies[0].closed else None)

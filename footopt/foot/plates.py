@@ -6,11 +6,10 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from footopt.arrays import Array, Ints
 from footopt.compiled import cached_njit
 
-Array = NDArray[np.float64]
 Fill = Callable[[Array], Array]  # what an effect makes of soles (designs, points, 2), m
 
 #: How plates are laid on a contour; each name's number of chords that a plate averages over.
@@ -63,7 +62,7 @@ class Plates(NamedTuple):
         plates = cls(x - ankle[:, :1], z - ankle[:, 1:], c2, s2, length * width[:, None])
         return plates._replace(tx=tx, tz=tz, turn=turns_within(points, parts)) if directed else plates
 
-    def take(self, index: slice | NDArray[np.int64]) -> Plates:
+    def take(self, index: slice | Ints) -> Plates:
         """The plates of some of the designs."""
         return Plates._make(None if c is None else np.ascontiguousarray(c[index]) for c in self)
 

@@ -8,11 +8,10 @@ drawings are not available; a choice that it leaves open is a parameter here.
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from footopt.arrays import Array
 from footopt.errors import check
 
-Array = NDArray[np.float64]
 ARC = 2000  # chords of a curved contact line
 
 

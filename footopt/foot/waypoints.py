@@ -10,13 +10,11 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from footopt.arrays import Array, Bools, Ints
 from footopt.compiled import cached_njit, inlined
 from footopt.errors import SettingError, check, check_whole
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 FINE = 32  # samples of the spline between two waypoints, for its arc length and its box violation
 
@@ -119,7 +117,7 @@ class Waypoints:
         low, high = extremes(heights, _slopes(heights))
         return np.asarray(np.maximum(np.maximum(high, -self.H - low), 0.0))
 
-    def inside(self, k: ArrayLike) -> NDArray[np.bool_]:
+    def inside(self, k: ArrayLike) -> Bools:
         """Which soles stay in the box, but for `box_tolerance`, (designs,)."""
         return np.asarray(self.box_violation(k) <= self.box_tolerance * self.H)
 

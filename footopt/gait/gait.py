@@ -18,13 +18,13 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from footopt.arrays import Array
 from footopt.errors import SettingError, check, check_whole
 from footopt.gait import start
 from footopt.gait.fourier import Fourier
 
-Array = NDArray[np.float64]
 Angle = tuple[Array, Array]  # and its rate
 
 LEFT, RIGHT = 0, 1

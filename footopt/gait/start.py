@@ -12,9 +12,8 @@ every T. The paper's walker "first stands with the left leg steadily" and starts
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from footopt.arrays import Array
 
 _LIFT = np.radians(20.0)
 #: Thigh, shank and pitch (rad) when standing, each for the left and the right leg. The left leg is

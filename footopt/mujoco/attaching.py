@@ -11,10 +11,10 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from footopt.arrays import Array
 from footopt.effects import Effect, reshaping
-from footopt.effects.base import BRISTLE_LENGTH
+from footopt.effects.base import BRISTLE_LENGTH, ordered
 from footopt.errors import SettingError, check, needed
 from footopt.foot import Foot, Plates
 from footopt.mujoco.callback import ATTACHED, FORGOT, MOST, callback, compiled, with_effects
@@ -28,10 +28,8 @@ from footopt.sand import Sand
 from footopt.sand.law import EARTH
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.discretize import compiled_once, world
-from footopt.walk.scene import Scene
 from footopt.walk.state import World
-
-Array = NDArray[np.float64]
+from footopt.walk.walker import Walker
 
 #: Contacts in use by the address of their MjData: all that the callback reads has to stay where it is.
 _KEPT: dict[int, Contact] = {}
@@ -233,7 +231,7 @@ def attach(model: Any, data: Any, feet: Mapping[str, Foot | str], *given: Any, *
 @lru_cache(maxsize=32)
 def _laws(sand: Sand, effects: tuple[Effect, ...]) -> tuple[World, World, bytes]:
     """The law of a sand with effects, as it is and as it is compiled, and its compiled effects, pickled."""
-    found = world(Scene(sand=sand, effects=effects), Accuracy())
+    found = world(sand, Walker(), ordered(effects), Accuracy().creep)
     once = compiled_once(found)
     return found, once, pickle.dumps(once.effects)
 

@@ -8,12 +8,10 @@ from itertools import product
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
+from footopt.arrays import Array
 from footopt.errors import SettingError, check
 from footopt.gait import Gait
-
-Array = NDArray[np.float64]
 
 #: Joints of a leg in `Gait.angles`: hip, knee and ankle turn by the angles between their links.
 JOINTS = ("hip", "knee", "ankle")

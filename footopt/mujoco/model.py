@@ -14,12 +14,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from footopt.arrays import Array
 from footopt.errors import SettingError, check, needed
 from footopt.foot import Foot
-
-Array = NDArray[np.float64]
 
 BIPED = Path(__file__).with_name("biped.xml")
 #: Sensors that are added: place and velocity of the robot's centre of mass, and the root's upright axis.

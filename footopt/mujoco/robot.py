@@ -11,8 +11,8 @@ from functools import lru_cache, partial
 from typing import Any, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
+from footopt.arrays import Array
 from footopt.effects.base import Effect, ordered, reshaping
 from footopt.errors import SettingError, check, check_kind
 from footopt.foot import Foot, Plates, Waypoints
@@ -24,12 +24,10 @@ from footopt.mujoco.walking import MEASURED, check_axes, quiet, walk
 from footopt.sand import Sand
 from footopt.walk.accuracy import Accuracy, Tolerance
 from footopt.walk.batch import at_once
-from footopt.walk.ladder import TOP, Found, Rung, climb, plates_at, probes
-from footopt.walk.objectives import FIVE, OBJECTIVES, by_name
-from footopt.walk.scene import Scene, Walker
+from footopt.walk.ladder import TOP, Found, Rung, climb, five, plates_at, probes
+from footopt.walk.scene import Scene
 from footopt.walk.simulator import Simulator, Walked
-
-Array = NDArray[np.float64]
+from footopt.walk.walker import Walker
 
 HALVINGS = 6  # of a model's time step, at most, for an accuracy
 LADDER = 500.0  # walks of a search in whose time its numbers are found at most: half of one of 1,000
@@ -245,7 +243,13 @@ class Robot(Simulator):
         return _ladder(replace(of, name="", refinements=0), self, soles, of.refinements)
 
     @quiet()
-    def walk(self, feet: Sequence[Foot], accuracy: Accuracy, threads: int | None = None) -> Walked:
+    def walk(
+        self,
+        feet: Sequence[Foot],
+        accuracy: Accuracy,
+        threads: int | None = None,
+        names: Sequence[str] = (),
+    ) -> Walked:
         """Walk with some feet."""
         workers = min(at_once(threads), len(feet)) if self._told else 1
         one = partial(walk, self, accuracy=accuracy, end=self._end)
@@ -278,9 +282,7 @@ def _ladder(of: Tolerance, robot: Robot, soles: Any, refinements: int) -> tuple[
     def walked(rung: Rung) -> tuple[Array, float]:
         numbers = at(rung)
         found = _probed(robot, soles, numbers.dt, numbers.plates)
-        raw = by_name(np.where(found.reasons[:, None] == "", found.raw, np.nan), robot.quantities)
-        values = np.stack([OBJECTIVES[name].value(raw, robot) for name in FIVE], axis=1)
-        return values, (STEP_COST + numbers.plates) / numbers.dt
+        return five(robot, found), (STEP_COST + numbers.plates) / numbers.dt
 
     top = Rung(0 if of.dt else HALVINGS, 0 if of.plates else TOP.plates)
     found = climb(walked, top, of.error, LADDER)
@@ -292,5 +294,5 @@ def _ladder(of: Tolerance, robot: Robot, soles: Any, refinements: int) -> tuple[
 @lru_cache(maxsize=64)
 def _probed(robot: Robot, soles: Any, dt: float, plates: int) -> Walked:
     """The probes of a space, or some feet: every tolerance climbs from the same rungs."""
-    feet = [Foot.from_waypoints(k, soles) for k in probes(soles)] if isinstance(soles, Waypoints) else soles
+    feet = probes(soles) if isinstance(soles, Waypoints) else soles
     return robot.walk(feet, Accuracy(dt=dt, plates=plates))

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from footopt.arrays import Array
 from footopt.errors import needed
 from footopt.foot import Foot, Plates
 from footopt.gait.gait import Pose
@@ -15,8 +16,6 @@ from footopt.mujoco.walking import AXES, Found, ankles
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.results import Walk
 from footopt.walk.scene import Scene
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -98,8 +97,6 @@ def traced(robot: Any, foot: Foot, accuracy: Accuracy, found: Found) -> RobotWal
         reason=found.reason,
         totals={name: found.totals.get(name, math.nan) for name in robot.quantities},
         evaluations=found.evaluations,
-        shortened=0,
-        repeats=0,
         joints=joints,
         turned=turned,
         states=found.states[:end],

@@ -9,8 +9,8 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from footopt.arrays import Array
 from footopt.errors import SettingError, check, needed
 from footopt.foot import Foot
 from footopt.mujoco.attaching import Contact
@@ -19,8 +19,6 @@ from footopt.mujoco.model import ACTUATOR, COM, UPRIGHT, VELOCITY, Model
 from footopt.mujoco.native import library
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.objectives import FIVE
-
-Array = NDArray[np.float64]
 
 #: Quantities that a walk measures, beside how well servos follow.
 MEASURED = (*FIVE, "joint_work", "torque", "survival", "maximum_sinkage", "peak_vertical_force")

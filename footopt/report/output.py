@@ -20,7 +20,7 @@ from footopt.files import io as files
 from footopt.foot import Foot
 from footopt.report import terminal
 from footopt.report.progress import Step, progress
-from footopt.walk import MEASURES, Accuracy, Scene, Simulator
+from footopt.walk import MEASURES, Accuracy, Simulator
 
 PATIENCE = 1.5  # s
 
@@ -138,7 +138,7 @@ def foot_entry(foot: Foot) -> dict[str, Any]:
     }
 
 
-def scene_entry(scene: Scene | Simulator, accuracy: Accuracy, names: Sequence[str]) -> dict[str, Any]:
+def scene_entry(scene: Simulator, accuracy: Accuracy, names: Sequence[str]) -> dict[str, Any]:
     """A scene, its accuracy and the units and senses of the objectives in result.json."""
     sand = None if scene.sand is None else {
         "name": scene.sand.name,

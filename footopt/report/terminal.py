@@ -24,7 +24,7 @@ from footopt.foot import Foot, Waypoints
 from footopt.foot.waypoints import heights_text
 from footopt.report.numbers import TINY, change, number, percent, quantity, title
 from footopt.sand.law import EARTH
-from footopt.walk import MEASURES, Scene, Simulator, gain_shares
+from footopt.walk import MEASURES, Simulator, gain_shares
 from footopt.walk.validity import Diagnostic
 
 if TYPE_CHECKING:
@@ -148,13 +148,11 @@ def describe_foot(foot: Foot) -> str:
     return ", ".join(parts)
 
 
-def describe_scene(scene: Scene | Simulator) -> str:
+def describe_scene(scene: Simulator) -> str:
     """A scene in a few words: its sand, its gravity where it is not the Earth's, and its effects."""
     if scene.sand is None:
         return scene.title
-    words = [f"{scene.sand.name} sand (zeta {scene.sand.zeta:g})"]
-    if isinstance(scene, Simulator):
-        words.append(scene.body)
+    words = [f"{scene.sand.name} sand (zeta {scene.sand.zeta:g})", *filter(None, [scene.body])]
     if abs((g := scene.g) - EARTH) > 1e-9:
         words.append(f"gravity {g:g} m/s^2 (sand {g / EARTH:.3g} times as strong as on the Earth)")
     for effect in scene.effects:
@@ -185,7 +183,7 @@ def described(kind: type) -> dict[str, tuple[str, str]]:
     return found
 
 
-def describe_setup(scene: Scene | Simulator, foot: Foot | Waypoints) -> str:
+def describe_setup(scene: Simulator, foot: Foot | Waypoints) -> str:
     """A walk in two lines: the walker and the gait; the foot or its space, and the sand."""
     if isinstance(foot, Waypoints):
         what, length, height = "Soles in a box of", 2.0 * foot.L, foot.H

@@ -1,12 +1,10 @@
 """The coefficients of a stress map, fitted to measured stresses."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from footopt.arrays import Array
 from footopt.errors import Unusable
 from footopt.sand.law import StressMap
-
-Array = NDArray[np.float64]
 
 MISFIT = 0.35  # of a column's rms; no law of this form is in such a table
 GAIN = 0.1  # of the table's rms; more power than noise explains comes out of such a sand

@@ -16,15 +16,14 @@ from dataclasses import dataclass, fields
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from footopt.arrays import Array
 from footopt.errors import check
 
 LARGEST = 1e4  # of a coefficient, N/cm^3; concrete has less
 PER_CM3 = 1e6  # N/cm^3 in N/m^3
 EARTH = 9.81  # m/s^2: g where stress maps are measured
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

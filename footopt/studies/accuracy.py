@@ -64,7 +64,9 @@ def run(study: Study) -> None:
     preset = {name: numerics(PRESETS[name], scene, space) for name in TOLERANCES}
     fine = [replace(PRESETS["fine"], stepper=stepper) for stepper in STEPPERS]
     settings = [
-        (of.stepper, numbers_at(of, scene, rung)) for of in fine for rung in ladder(of, scene, space)[1].path
+        (of.stepper, numbers_at(of, scene.path, rung))
+        for of in fine
+        for rung in ladder(of, scene, space)[1].path
     ] + [*preset.items()]
     measured = []
     with study.progress(len(settings) + 1, "setting") as step:
@@ -107,7 +109,7 @@ def measure(
         method,
         accuracy,
         float(np.percentile(worst, QUANTILE)),
-        work(found.evaluations, found.plates).mean(),
+        work(found.evaluations, found.counts["plates"]).mean(),
         1e3 * min(taken) / len(feet),
         wrong_pairs(found.values[:, j], truth[:, j]),
     )

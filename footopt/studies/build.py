@@ -179,7 +179,7 @@ def make_scene(config: Config) -> Scene:
     )
 
 
-def make_simulator(config: Config) -> Scene | Simulator:
+def make_simulator(config: Config) -> Simulator:
     """What walks by the settings: the paper's walker in a scene, or a robot."""
     name, names = config.simulator.name, ("walker", "biped", "robot")
     check(name in names, "simulator.name", name, f"one of {', '.join(names)}")
@@ -209,7 +209,7 @@ def make_choice(config: Config) -> Choice:
     return Choice(choose.name, choose.weights or {}, choose.limits or {})
 
 
-def make_problem(config: Config, scene: Scene | Simulator) -> FootProblem:
+def make_problem(config: Config, scene: Simulator) -> FootProblem:
     """The problem of study=optimize."""
     return FootProblem(
         scene,

@@ -198,7 +198,7 @@ def tolerance(config: Config) -> float:
     return config.accuracy.tolerance or TOLERANCES.get(config.accuracy.name, TOLERANCE)
 
 
-def choose_effects(study: Study, foot: Foot | None = None) -> tuple[Scene | Simulator, dict[str, Any]]:
+def choose_effects(study: Study, foot: Foot | None = None) -> tuple[Simulator, dict[str, Any]]:
     """The scene of a study with the effects that `effects=auto` chooses, or its robot.
 
     Effects from the literature are audited one after the other, each in the scene with those before it that

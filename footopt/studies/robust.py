@@ -28,7 +28,7 @@ from footopt.studies import build
 from footopt.studies.runs import Study
 from footopt.studies.settings import Config
 from footopt.studies.validation.model import model_error
-from footopt.walk import MEASURES, Scene, Simulator, simulate
+from footopt.walk import MEASURES, Simulator, simulate
 from footopt.walk.ladder import numerics
 
 Array = NDArray[np.float64]
@@ -122,7 +122,7 @@ def run(study: Study) -> None:
     )
 
 
-def make_scenarios(config: Config, scene: Scene | Simulator) -> tuple[Scenario, ...]:
+def make_scenarios(config: Config, scene: Simulator) -> tuple[Scenario, ...]:
     """The scenarios that the settings ask for about a scene."""
     options = config.study
     check(options.scenarios in SOURCES, "study.scenarios", options.scenarios, f"one of {', '.join(SOURCES)}")

@@ -62,7 +62,7 @@ class Study(Output):
 
     # the library's objects of the settings, each made when it is first asked for
     scene = cached_property[Scene](lambda self: build.make_scene(self.config))
-    simulator = cached_property[Scene | Simulator](lambda self: build.make_simulator(self.config))
+    simulator = cached_property[Simulator](lambda self: build.make_simulator(self.config))
     accuracy = cached_property[AnyAccuracy](lambda self: build.make_accuracy(self.config.accuracy))
     space = cached_property[Waypoints](lambda self: build.make_space(self.config.foot))
     foot = cached_property[Foot](lambda self: build.make_foot(self.config.foot))  # the one of the settings

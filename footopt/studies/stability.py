@@ -24,7 +24,6 @@ from footopt.studies.stability_cases import CASES, Case
 from footopt.walk import FIVE, STEPPERS, Accuracy, Scene, Walk, simulate
 from footopt.walk.accuracy import AnyAccuracy
 from footopt.walk.balances import energy_gap, power_from_sand, sinking_speed, smoothing_power
-from footopt.walk.discretize import too_many_poses
 from footopt.walk.ladder import numerics
 from footopt.walk.objectives import sizes
 from footopt.walk.resolution import BEYOND, CAUSES, PROMISE, finer
@@ -190,7 +189,7 @@ def find_truth(
         truth, ways = walked(now), {}
         for cause, one in finer(now).items() if truth.evaluations * now.plates < MOST_WORK else ():
             one = replace(one, **given)
-            if one.plates in (now.plates, 2 * now.plates) and not too_many_poses(scene, one):
+            if one.plates in (now.plates, 2 * now.plates) and not scene.too_long(one):
                 changes[cause] = max(m.ratio for m in compare(walked(one), truth, limit))
                 ways[changes[cause]] = one
         stands = Measure("truth", limit * sum(changes.values()), limit)

@@ -38,7 +38,7 @@ class Side:
     """One of the two simulators on a sand, and how finely it searches and judges."""
 
     name: str
-    simulator: Scene | Simulator
+    simulator: Simulator
     accuracy: AnyAccuracy
     finer: AnyAccuracy
     walks: int | None

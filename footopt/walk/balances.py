@@ -4,12 +4,9 @@ import math
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from footopt.sand import StressMap, affine
 from footopt.walk.results import Walk
-
-Array = NDArray[np.float64]
 
 NOISE = 1e-5  # of a walk's largest power; 5e-6 is the most in 120 marches that set feet down at 2 to 4 m/s
 

@@ -2,24 +2,25 @@
 
 import math
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from footopt.effects import base as effects
-from footopt.errors import check_whole
-from footopt.foot import Plates, Waypoints, as_plates
+from footopt.effects.base import Effect
+from footopt.errors import check, check_whole
+from footopt.foot import Foot, Plates, as_plates
 from footopt.foot.plates import RULES
 from footopt.walk import discretize
 from footopt.walk.accuracy import Accuracy
+from footopt.walk.discretize import Path
 from footopt.walk.loop import BACKWARD, DIVERGED, OK, SUNK, Course, Output, walk_range
 from footopt.walk.metrics import RAW, TRACE
-from footopt.walk.scene import Scene
-from footopt.walk.state import COUNTS
+from footopt.walk.state import COUNTS, World
 from footopt.walk.steppers import STEPPERS
 
 #: Why a walk failed, by the loop's status.
@@ -28,6 +29,7 @@ REASONS = {OK: "", SUNK: "sunk", BACKWARD: "backward", DIVERGED: "diverged"}
 MAX_REPEATS = 3  # of a walk that diverged, each with a quarter of the time step before
 CHUNK = 4096  # designs whose plates are in memory at once
 POINTS = 4_000_000  # along their soles, at most
+MOST_BYTES = 4e9  # that the bristles of a traced walk may take
 BLOCK = 16  # designs that a thread takes at a time
 
 
@@ -44,36 +46,34 @@ def at_once(given: int | None, setting: str = "engine.threads") -> int:
     return int(given)
 
 
-def chunks(feet: Any, scene: Scene, accuracy: Accuracy, space: Waypoints | None) -> Iterator[Plates]:
+def chunks(feet: Sequence[Foot], acting: Sequence[Effect], accuracy: Accuracy) -> Iterator[Plates]:
     """The feet's plates, a bounded number of designs at a time."""
-    directed, fill = effects.laws(scene.effects).directed, effects.reshaping(scene.effects)
+    directed, fill = effects.laws(acting).directed, effects.reshaping(acting)
     size = max(1, min(CHUNK, POINTS // (accuracy.plates * RULES[accuracy.rule])))
-    yield from (
-        as_plates(feet[i : i + size], accuracy.plates, accuracy.rule, space, directed, fill)
-        for i in range(0, len(feet), size)
-    )
+    for i in range(0, len(feet), size):
+        yield as_plates(feet[i : i + size], accuracy.plates, accuracy.rule, directed, fill)
 
 
-class Options(NamedTuple):
-    """How the compiled loop walks with a batch; see `evaluate`."""
-
-    sink: bool  # whether to follow the maximum sinkage
-    threads: int | None
-    traced: bool = False
-
-
-def walk_batch(plates: Plates, scene: Scene, accuracy: Accuracy, options: Options) -> Output:
-    """Run the compiled loop over a batch.
+def walk_batch(
+    plates: Plates,
+    path: Path,
+    world: World,
+    accuracy: Accuracy,
+    sink: bool,
+    threads: int | None,
+    traced: bool = False,
+) -> Output:
+    """Run the compiled loop over a batch; with `sink` it follows the maximum sinkage.
 
     Walks that diverge are repeated with a quarter of the time step, `MAX_REPEATS` times at most.
     """
-    walked = _walk_once(plates, scene, accuracy, options)
+    walked = _walk_once(plates, path, world, accuracy, sink, threads, traced)
     for repeat in range(1, MAX_REPEATS + 1):
         again = np.flatnonzero(walked.status == DIVERGED)
         finer = replace(accuracy, dt=accuracy.dt / 4**repeat)
-        if len(again) == 0 or discretize.too_many_poses(scene, finer):
+        if len(again) == 0 or discretize.too_many_poses(path, finer):
             break
-        shorter = _walk_once(plates.take(again), scene, finer, options)
+        shorter = _walk_once(plates.take(again), path, world, finer, sink, threads, traced)
         walked.raw[again], walked.status[again] = shorter.raw, shorter.status
         for name in COUNTS.names or ():
             walked.counts[name][again] += shorter.counts[name]
@@ -82,24 +82,30 @@ def walk_batch(plates: Plates, scene: Scene, accuracy: Accuracy, options: Option
     return walked
 
 
-def _walk_once(plates: Plates, scene: Scene, accuracy: Accuracy, options: Options) -> Output:
+def _walk_once(
+    plates: Plates,
+    path: Path,
+    world: World,
+    accuracy: Accuracy,
+    sink: bool,
+    threads: int | None,
+    traced: bool,
+) -> Output:
     """Walk a batch once, with the given time step."""
     stepper, designs = STEPPERS[accuracy.stepper], len(plates.x)
-    times, pose0, tables = discretize.poses(scene, accuracy)
+    times, pose0, tables = discretize.poses(path, accuracy)
     soles = discretize.soles(plates)._replace(directed=True)
-    rows, constants = len(tables[-1]) + 1 if options.traced else 0, discretize.world(scene, accuracy)
-    constants = discretize.compiled_once(constants)
-    shape = discretize.bristle_rows(rows, soles.plates.shape[2]), 2, 2, soles.plates.shape[2]
+    rows, constants = len(tables[-1]) + 1 if traced else 0, discretize.compiled_once(world)
     finest, control = len(tables) - 1, math.inf if accuracy.control is None else accuracy.control
     # as many in any case: another number is compiled again
     tables += tables[:1] * (discretize.HALVINGS - finest)
-    course = Course(times, pose0, tables, finest, control, scene.gait.heel_strike, options.sink)
+    course = Course(times, pose0, tables, finest, control, path.gait.heel_strike, sink)
     out = Output(
         raw=np.empty((designs, len(RAW))),
         status=np.empty(designs, np.int64),
         counts=np.zeros(designs, COUNTS),
         trace=np.full((rows, len(TRACE)), np.nan),
-        bristles=None if constants.bristle_length is None else np.zeros(shape, np.float32),
+        bristles=None if world.bristle_length is None else _traced(rows, soles.plates.shape[2]),
     )
 
     def run(begin: int) -> None:
@@ -107,7 +113,7 @@ def _walk_once(plates: Plates, scene: Scene, accuracy: Accuracy, options: Option
         walk_range(stepper.parameters, soles, constants, course, out, begin, end)
 
     blocks = range(0, designs, BLOCK)
-    workers = min(at_once(options.threads), len(blocks))
+    workers = min(at_once(threads), len(blocks))
     list((_pool(workers).map if workers > 1 else map)(run, blocks))
     return out
 
@@ -120,3 +126,10 @@ def _pool(workers: int) -> ThreadPoolExecutor:
 
 if hasattr(os, "register_at_fork"):  # a child has none of its parent's threads
     os.register_at_fork(after_in_child=_pool.cache_clear)
+
+
+def _traced(rows: int, plates: int) -> Any:
+    """The bristles of a trace, (rows, 2 feet, 2, plates), to be filled."""
+    fits = 16 * rows * plates <= MOST_BYTES
+    check(fits, "scene.t_f", f"{rows:,} steps", f"at most {MOST_BYTES / (16 * plates):,.0f} steps long")
+    return np.zeros((rows, 2, 2, plates), np.float32)

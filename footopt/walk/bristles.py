@@ -17,13 +17,11 @@ steps damp and short ones do not: tau = 2 sqrt(delta / g) is about critical, and
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from footopt.arrays import Array
 from footopt.compiled import inlined, inlined_fast, unless_none
 from footopt.walk.contact import bristles_between, direction, kinematics, rsqrt, submerged
 from footopt.walk.state import ankle_of, in_world, plates_between
-
-Array = NDArray[np.float64]
 
 
 class Bristles(NamedTuple):
@@ -86,13 +84,10 @@ def next_step(bristles):
 
 
 @inlined
-def record(trace, row, rows, bristles):
-    """Write the bristles at a step's beginning into their trace, where there is one, at `row` of `rows`.
-
-    Rows that share one of a shorter trace leave the last of theirs.
-    """
+def record(trace, row, bristles):
+    """Write the bristles at a step's beginning into a row of their trace, where there is one."""
     if bristles is not None:
-        h, row = bristles.h_n, row * len(trace) // rows
+        h = bristles.h_n
         for foot in range(2):  # loops: numba takes 20 s to compile an assignment of arrays
             for i in range(h.shape[2]):
                 trace[row, foot, 0, i], trace[row, foot, 1, i] = h[foot, 0, i], h[foot, 1, i]

@@ -1,21 +1,24 @@
-"""From a scene, an accuracy and feet to what the compiled loop takes: world, plates, times and poses."""
+"""From sand, walker, gait and feet to what the compiled loop takes: world, plates, times and poses."""
 
+from collections.abc import Sequence
 from functools import lru_cache, partial
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from footopt.arrays import Array
 from footopt.effects import base as effects
+from footopt.effects.base import Effect
 from footopt.errors import SettingError
 from footopt.foot import Plates
-from footopt.sand.law import PER_CM3, Law
+from footopt.gait import Gait
+from footopt.sand import Sand
+from footopt.sand.law import EARTH, PER_CM3, Law
 from footopt.walk.accuracy import Accuracy
-from footopt.walk.scene import Scene, Walker
 from footopt.walk.state import LANES, Sole, World, sole_at
 from footopt.walk.steppers import STEPPERS
-
-Array = NDArray[np.float64]
+from footopt.walk.walker import Walker
 
 NEWTON = 0.03  # last step of Newton's method over the plates' mean speed; the forces' error is the square
 STICKING = 1e-3  # the same where bristles hold plates: the law is bent where they begin to slide
@@ -23,28 +26,36 @@ DAMPING = 2.0  # of bristles: critical for a mass that they hold by its weight
 REST = 4  # longer steps while the walker stands
 HALVINGS = 3  # of a step under control, at most
 ROWS = 5_000_000  # poses of a walk that are tabulated, 112 bytes each; ten minutes take 2.6 million
-MOST_BYTES = 1e9  # bytes that the bristles of a traced walk may take
 POSES = 64  # motions whose poses are kept: about 1 MB each, and the time of a few dozen walks
 LONG = ROWS // POSES  # poses of a motion of which only `LONG_ONES` are kept
 LONG_ONES = 2
 
 
-def world(scene: Scene, accuracy: Accuracy) -> World:
-    """The part of a scene that compiled loops need."""
-    law = Law(*(float(scene.zeta * PER_CM3 * c) for c in scene.sand.stress_map.law))
-    tilt, g = scene.gravity
-    length = effects.bristle_length(scene.effects)
+class Path(NamedTuple):
+    """How a walk's feet move relative to the hip."""
+
+    gait: Gait
+    l1: float  # m, of a thigh
+    l2: float  # m, of a shank
+    t_f: float  # s, the walk's end
+
+
+def world(sand: Sand, walker: Walker, acting: Sequence[Effect], creep: float) -> World:
+    """The constants of a walk; the sand's strength is in proportion to gravity (`Scene.zeta`)."""
+    zeta = sand.zeta * (walker.g / EARTH)
+    tilt, g = effects.gravity(acting, walker.g)
+    length = effects.bristle_length(acting)
     # floats throughout: a whole number would be another type, and compile the loop again
     return World(
-        law=law,
-        mass=float(scene.walker.mass),
+        law=Law(*(float(zeta * PER_CM3 * c) for c in sand.stress_map.law)),
+        mass=float(walker.mass),
         g=float(g),
         tilt=float(tilt),
-        creep=float(accuracy.creep),
+        creep=float(creep),
         bristle_length=length,
         retardation=0.0 if length is None else DAMPING * float(np.sqrt(length / g)),
         tolerance=NEWTON if length is None else STICKING,
-        effects=effects.laws(scene.effects),
+        effects=effects.laws(acting),
     )
 
 
@@ -55,13 +66,13 @@ def compiled_once(world: World) -> World:
     return world._replace(effects=world.effects._replace(gates=effects.plausible_gates()), bypass=True)
 
 
-def time_grid(scene: Scene, accuracy: Accuracy) -> Array:
+def time_grid(path: Path, accuracy: Accuracy) -> Array:
     """Ends of the time steps, (steps + 1,), s, from 0 to t_f.
 
     While the walker stands, before the gait starts, implicit steps are `REST` times as long: nothing
     happens that a longer one would miss. Each part is t0 + k (t1 - t0)/n: adding steps would drift.
     """
-    start, t_f, ends = scene.gait.start, scene.duration, {0.0, scene.duration}
+    start, t_f, ends = path.gait.start, path.t_f, {0.0, path.t_f}
     if STEPPERS[accuracy.stepper].implicit and 0.0 < start < t_f:
         ends.add(start)
     parts = []
@@ -71,42 +82,34 @@ def time_grid(scene: Scene, accuracy: Accuracy) -> Array:
     return np.concatenate([*parts, [t_f]])
 
 
-def pose_rows(scene: Scene, accuracy: Accuracy) -> float:
+def pose_rows(path: Path, accuracy: Accuracy) -> float:
     """How many poses a walk needs (`poses`), about."""
     levels = 1 if accuracy.control is None else 2 ** (HALVINGS + 1) - 1
-    return scene.duration / accuracy.dt * levels * len(STEPPERS[accuracy.stepper].nodes)
+    return path.t_f / accuracy.dt * levels * len(STEPPERS[accuracy.stepper].nodes)
 
 
-def too_many_poses(scene: Scene, accuracy: Accuracy) -> bool:
+def too_many_poses(path: Path, accuracy: Accuracy) -> bool:
     """Whether a walk is too long for its poses."""
-    return pose_rows(scene, accuracy) > ROWS
+    return pose_rows(path, accuracy) > ROWS
 
 
-def bristle_rows(rows: int, plates: int) -> int:
-    """How many rows of a trace have bristles of their own: all, or those that there is room for."""
-    return min(rows, max(1, int(MOST_BYTES / (16.0 * plates))))
-
-
-def poses(scene: Scene, accuracy: Accuracy) -> tuple[Array, Array, tuple[Array, ...]]:
+def poses(path: Path, accuracy: Accuracy) -> tuple[Array, Array, tuple[Array, ...]]:
     """Time grid, pose at t = 0, (2, 7), and at every step's nodes, (steps, nodes, 2, 7).
 
     Under control of the step there is a table more for each halving, with twice as many steps.
     """
-    if too_many_poses(scene, accuracy):
-        least = accuracy.dt * pose_rows(scene, accuracy) / ROWS
-        allowed = f"at least {least:.2g} s for a walk of {scene.duration:g} s"
+    if too_many_poses(path, accuracy):
+        least = accuracy.dt * pose_rows(path, accuracy) / ROWS
+        allowed = f"at least {least:.2g} s for a walk of {path.t_f:g} s"
         hint = "Or shorten the walk: scene.t_f, gait.period, gait.start."
         raise SettingError("accuracy.dt", accuracy.dt, allowed, hint)
-    # the same for every sand, mass and effect: what they are kept by in memory
-    walker = Walker(l1=scene.walker.l1, l2=scene.walker.l2)
-    motion = Scene(gait=scene.gait, walker=walker, t_f=scene.t_f)
-    tables = long_pose_tables if pose_rows(scene, accuracy) > LONG else pose_tables
-    return tables(motion, Accuracy(accuracy.stepper, accuracy.dt, control=accuracy.control))
+    tables = long_pose_tables if pose_rows(path, accuracy) > LONG else pose_tables
+    return tables(path, Accuracy(accuracy.stepper, accuracy.dt, control=accuracy.control))
 
 
-def _pose_tables(scene: Scene, accuracy: Accuracy) -> tuple[Array, Array, tuple[Array, ...]]:
-    times, nodes = time_grid(scene, accuracy), np.asarray(STEPPERS[accuracy.stepper].nodes)
-    pose = partial(scene.gait.pose, l1=scene.walker.l1, l2=scene.walker.l2)
+def _pose_tables(path: Path, accuracy: Accuracy) -> tuple[Array, Array, tuple[Array, ...]]:
+    times, nodes = time_grid(path, accuracy), np.asarray(STEPPERS[accuracy.stepper].nodes)
+    pose = partial(path.gait.pose, l1=path.l1, l2=path.l2)
     tables = []
     for level in range(1 if accuracy.control is None else 1 + HALVINGS):
         parts = (np.arange(2**level)[:, None] + nodes) / 2**level

@@ -16,21 +16,16 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from footopt.errors import SettingError
-from footopt.foot import Foot, Waypoints
-from footopt.walk import discretize
+from footopt.arrays import Array
+from footopt.errors import check
+from footopt.foot import Foot, Soles, Waypoints, as_feet
 from footopt.walk.accuracy import LEAST, LEAST_DT, Accuracy, AnyAccuracy, Tolerance, work
-from footopt.walk.batch import Options, chunks, walk_batch
-from footopt.walk.loop import OK
+from footopt.walk.discretize import Path, too_many_poses
 from footopt.walk.objectives import FIVE, OBJECTIVES, by_name, sizes
-from footopt.walk.scene import Scene
-from footopt.walk.simulator import Simulator
+from footopt.walk.simulator import Simulator, Walked
 from footopt.walk.state import LANES
 from footopt.walk.steppers import STEPPERS
-
-Array = NDArray[np.float64]
 
 #: The first rungs: time steps over the period of a stride, speeds over the legs' length in a period.
 LONGEST = {True: 1 / 96, False: 1 / 960}  # time step of implicit and of explicit steppers
@@ -76,21 +71,19 @@ class Found(NamedTuple):
 
 
 def numerics(
-    accuracy: AnyAccuracy, scene: Scene | Simulator, feet: Any, space: Waypoints | None = None
+    accuracy: AnyAccuracy, simulator: Simulator, feet: Waypoints | Foot | Sequence[Foot]
 ) -> Accuracy:
-    """The numbers with which feet walk through a scene.
+    """The numbers with which feet walk.
 
     Parameters
     ----------
     accuracy : Accuracy or Tolerance
         Numbers, which are taken as they are, or a tolerance.
-    scene : Scene or Simulator
-        Where they walk.
-    feet : Waypoints, Foot, sequence of Foot, or (designs, n)
-        A space, whose probes are random soles; heights of one; or soles, of which up to ten are the probes.
-        Feet that are all of one space have the space's.
-    space : Waypoints, optional
-        Of heights.
+    simulator : Simulator
+        What walks.
+    feet : Waypoints, Foot, or sequence of Foot
+        A space, whose probes are random soles; or soles, of which up to ten are the probes. Feet that are
+        all of one space have the space's.
 
     Returns
     -------
@@ -99,37 +92,28 @@ def numerics(
     """
     if isinstance(accuracy, Accuracy):
         return accuracy
-    return replace(ladder(accuracy, scene, feet, space)[0], name=accuracy.name, tolerance=accuracy.error)
+    return replace(ladder(accuracy, simulator, feet)[0], name=accuracy.name, tolerance=accuracy.error)
 
 
 def ladder(
-    of: Tolerance, scene: Scene | Simulator, feet: Any, space: Waypoints | None = None
+    of: Tolerance, simulator: Simulator, feet: Waypoints | Foot | Sequence[Foot]
 ) -> tuple[Accuracy, Found]:
     """The numbers that a tolerance comes to, and how they were found."""
-    soles = _soles(feet, space)
-    if isinstance(scene, Simulator):
-        return scene.ladder(of, soles) or (Accuracy(), Found(Rung(), math.nan, math.nan))
-    try:
-        found = _climbed(replace(of, name="", refinements=0), scene, soles)
-    except TypeError:  # an effect of a user's own that cannot be hashed
-        found = _climbed.__wrapped__(of, scene, soles)
-    numbers = numbers_at(of, scene, found.rung)
-    return replace(numbers.refined(of.refinements), **of.by_hand) if of.refinements else numbers, found
+    found = simulator.ladder(of, _soles(feet))
+    return found or (Accuracy(), Found(Rung(), math.nan, math.nan))
 
 
-def _soles(feet: Any, space: Waypoints | None) -> Any:
+def _soles(feet: Waypoints | Foot | Sequence[Foot]) -> Waypoints | tuple[Foot, ...]:
     """The space that the probes of feet are drawn from, or the feet that are the probes."""
     if isinstance(feet, Waypoints):
         return feet
-    if isinstance(feet, Foot):
-        feet = [feet]
-    if len(feet) == 0:
-        raise SettingError("feet", "[]", "at least one foot")
-    if not isinstance(feet[0], Foot):
-        return space or Waypoints(n=len(feet[0]))
+    if isinstance(feet, Soles):
+        return feet.space
+    feet = as_feet(feet)
+    check(len(feet) > 0, "feet", "[]", "at least one foot")
     spaces = {foot.space for foot in feet}
-    if len(spaces) == 1 and None not in spaces:
-        return spaces.pop()
+    if len(spaces) == 1 and (space := spaces.pop()) is not None:
+        return space
     return tuple(dict.fromkeys(feet[i] for i in _spread(len(feet))))
 
 
@@ -139,27 +123,41 @@ def _spread(count: int) -> list[int]:
 
 
 @lru_cache(maxsize=256)
-def _climbed(of: Tolerance, scene: Scene, soles: Any) -> Found:
-    """The end of the ladder for a space or some feet."""
-    top = _top(of, scene)
-    chosen, space, drawing = soles, None, 0.0
+def climbed(of: Tolerance, simulator: Simulator, path: Path, soles: Any) -> Found:
+    """The end of the ladder of the planar walker for a space or some feet."""
+
+    def walked(rung: Rung) -> tuple[Array, float]:
+        found = simulator.walk(chosen, numbers_at(of, path, rung))
+        return five(simulator, found), work(found.evaluations, found.counts["plates"]).mean()
+
+    chosen, drawing = soles, 0.0
     if isinstance(soles, Waypoints):
-        space = soles
-        heights = drawn(soles)
-        values, cost = _walked(numbers_at(of, scene, Rung()), scene, heights, space)
+        chosen = drawn(soles)
+        values, cost = walked(Rung())
         fails = np.isnan(values).all(axis=1)
-        chosen, drawing = heights[np.argsort(fails, kind="stable")[:PROBES]], DRAWN * cost
-    found = climb(lambda rung: _walked(numbers_at(of, scene, rung), scene, chosen, space), top, of.error)
+        chosen, drawing = Soles(chosen.k[np.argsort(fails, kind="stable")[:PROBES]], soles), DRAWN * cost
+    found = climb(walked, _top(of, path), of.error)
     return found._replace(price=found.price + drawing)
 
 
-def probes(space: Waypoints) -> NDArray[np.int64]:
-    """Soles of a space that stand for all of it, (PROBES, n)."""
-    return drawn(space)[:PROBES]
+def five(simulator: Simulator, found: Walked) -> Array:
+    """The `FIVE` of feet that have walked, (feet, objectives), NaN for those that failed.
+
+    Work and power are in units of the simulator's own floors.
+    """
+    raw = by_name(np.where(found.reasons[:, None] == "", found.raw, np.nan), simulator.quantities)
+    values = np.stack([OBJECTIVES[name].value(raw, simulator) for name in FIVE], axis=1)
+    units: Array = sizes(np.zeros(len(FIVE))) / sizes(np.zeros(len(FIVE)), simulator)
+    return values * units
 
 
-def drawn(space: Waypoints) -> NDArray[np.int64]:
-    """Random soles of a space, (DRAWN, n): every other one rough, those between on lines through few heights.
+def probes(space: Waypoints) -> Soles:
+    """Soles of a space that stand for all of it, `PROBES` of them."""
+    return Soles(drawn(space).k[:PROBES], space)
+
+
+def drawn(space: Waypoints) -> Soles:
+    """`DRAWN` random soles of a space: every other one rough, those between on lines through few heights.
 
     Smooth soles take to the sand all at once, and a search ends among them.
     """
@@ -168,13 +166,13 @@ def drawn(space: Waypoints) -> NDArray[np.int64]:
     for i in range(1, DRAWN, 2):
         knots = np.linspace(0.0, 1.0, min(2 + i // 2 % 4, space.n))
         rows[i] = np.rint(np.interp(x, knots, rows[i, : len(knots)]))
-    return rows
+    return Soles(rows, space)
 
 
-def _top(of: Tolerance, scene: Scene) -> Rung:
+def _top(of: Tolerance, path: Path) -> Rung:
     """The finest rung of each side: the first where it is held by hand, or where a finer walk is too long."""
     time = 0 if None not in (of.dt, of.control) else TOP.time
-    while time and discretize.too_many_poses(scene, numbers_at(of, scene, Rung(time))):
+    while time and too_many_poses(path, numbers_at(of, path, Rung(time))):
         time -= 1
     return Rung(time, 0 if of.plates else TOP.plates, 0 if of.creep else TOP.creep)
 
@@ -184,10 +182,10 @@ def plates_at(rung: Rung) -> int:
     return LANES * round(FEWEST / LANES * 2 ** (rung.plates / 2))
 
 
-def numbers_at(of: Tolerance, scene: Scene, rung: Rung) -> Accuracy:
-    """The numbers of a rung in a scene, and those that are held by hand."""
-    period = scene.gait.period
-    speed = (scene.walker.l1 + scene.walker.l2) / period
+def numbers_at(of: Tolerance, path: Path, rung: Rung) -> Accuracy:
+    """The numbers of a rung for a walk, and those that are held by hand."""
+    period = path.gait.period
+    speed = (path.l1 + path.l2) / period
     halvings = max(rung.time - 1, 0) // STEP_HALVED
     dt = LONGEST[STEPPERS[of.stepper].implicit] * period / 2**halvings
     numbers = Accuracy(
@@ -199,16 +197,6 @@ def numbers_at(of: Tolerance, scene: Scene, rung: Rung) -> Accuracy:
         control=min(max(CONTROL * speed / 2**rung.time, LEAST), 1.0),
     )
     return replace(numbers, **of.by_hand)
-
-
-def _walked(accuracy: Accuracy, scene: Scene, probes: Any, space: Waypoints | None) -> tuple[Array, float]:
-    """Objectives (probes, objectives), NaN for those that fail, and the work of a walk."""
-    (plates,) = chunks(probes, scene, accuracy, space)
-    walked = walk_batch(plates, scene, accuracy, Options(sink=False, threads=None))
-    raw = np.where(walked.status[:, None] == OK, walked.raw, np.nan)
-    values = np.stack([OBJECTIVES[name].value(by_name(raw), scene) for name in FIVE], axis=1)
-    values *= sizes(np.zeros(len(FIVE))) / sizes(np.zeros(len(FIVE)), scene)  # in units of its own floors
-    return values, work(walked.counts["evaluations"], walked.counts["plates"]).mean()
 
 
 def climb(

@@ -6,8 +6,8 @@ Both are the same compiled code, which asks once a step whether there is a trace
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from footopt.arrays import Array
 from footopt.compiled import inlined
 from footopt.walk.bristles import beginning, bristles_at_start, record
 from footopt.walk.contact import contact
@@ -26,8 +26,6 @@ from footopt.walk.state import (
     write,
 )
 from footopt.walk.steppers import acceleration, advance, explicit_contact
-
-Array = NDArray[np.float64]
 
 NEAR_PEAK = 0.9  # of the largest |P| of a foot so far: from there a step may hold the peak of the whole walk
 PEAK = 0.1  # of its control is what such a step is held to: the peak follows the speed's error at one instant
@@ -59,7 +57,7 @@ class Output(NamedTuple):
     status: Any  # (designs,)
     counts: Any  # (designs,) of `COUNTS`
     trace: Array  # (shortest steps + 1, len(TRACE)); without rows, nothing is traced
-    bristles: Any  # (rows, 2 feet, 2, plates), of as many rows as there is room for, or None
+    bristles: Any  # (rows, 2 feet, 2, plates), or None
 
 
 def walk_designs(method, soles, world, course, out, begin, end):
@@ -138,7 +136,7 @@ def _trace(out, row, t, state):
     """Write a state into a row of the traces, where there are any."""
     if len(out.trace) > 0:
         write(out.trace[row], sample_of(t, state))
-        record(out.bristles, row, len(out.trace), state.bristles)
+        record(out.bristles, row, state.bristles)
 
 
 def walk_range(stepper: Any, soles: Sole, world: World, *rest: Any) -> None:

@@ -13,14 +13,12 @@ from functools import partial
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from footopt.arrays import Array
 from footopt.errors import check, is_number
 from footopt.walk.metrics import RAW
-from footopt.walk.scene import Scene
 from footopt.walk.simulator import Simulator
 
-Array = NDArray[np.float64]
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 #: Floors of the factors in J_W's denominator: 1 J, 1 W, 1e-3 m/s.
@@ -114,7 +112,7 @@ objective = partial(measure, "raw")
 
 
 @objective(r"$x_{\mathrm{COM}}(t_f)$", "m", maximise=True, worst=0.0)
-def distance(raw: Raw, scene: Scene) -> Array:
+def distance(raw: Raw, scene: Simulator) -> Array:
     """Forward travel of the COM, x(t_f) - x(0), m.
 
     The paper maximises x_COM(t_f) "for a certain period t_f" without giving t_f; the default here
@@ -124,7 +122,7 @@ def distance(raw: Raw, scene: Scene) -> Array:
 
 
 @objective(r"$\bar z_{\mathrm{COM}}$", "m", maximise=True, worst=0.0)
-def mean_height(raw: Raw, scene: Scene) -> Array:
+def mean_height(raw: Raw, scene: Simulator) -> Array:
     """Mean height of the COM over [0, t_f], m: the paper's measure of sinkage.
 
     The height is above the undisturbed sand, with the stepper's own quadrature.
@@ -133,7 +131,7 @@ def mean_height(raw: Raw, scene: Scene) -> Array:
 
 
 @objective("$|W(t_f)|$", "J", maximise=False, worst=1e6, least=0.0)
-def work(raw: Raw, scene: Scene) -> Array:
+def work(raw: Raw, scene: Simulator) -> Array:
     """|W(t_f)|, W the time integral of sum f.v over all plates of both feet, J (the paper's eq. 7).
 
     The force is that of the sand on the plates, so W is negative: what the walker must compensate.
@@ -142,7 +140,7 @@ def work(raw: Raw, scene: Scene) -> Array:
 
 
 @objective(r"$p_{\max}$", "W", maximise=False, worst=1e6, least=0.0)
-def peak_power(raw: Raw, scene: Scene) -> Array:
+def peak_power(raw: Raw, scene: Simulator) -> Array:
     """Largest |sum f.v| of one foot at any instant from the first heel strike to t_f, W.
 
     The paper says "during a single-stance walking phase" and sums over the plates of a foot; it
@@ -153,7 +151,7 @@ def peak_power(raw: Raw, scene: Scene) -> Array:
 
 
 @objective(r"$\Delta V_x$", "m/s", maximise=False, worst=1e3, least=0.0)
-def speed_loss(raw: Raw, scene: Scene) -> Array:
+def speed_loss(raw: Raw, scene: Simulator) -> Array:
     """Largest fall of the forward COM speed below its running maximum, m/s.
 
     From the first heel strike to t_f: max over s <= t of V_x(s) - V_x(t). The paper asks not to
@@ -165,7 +163,7 @@ def speed_loss(raw: Raw, scene: Scene) -> Array:
 
 
 @objective("$J_W$", "", maximise=False, worst=0.0)
-def efficiency(raw: Raw, scene: Scene) -> Array:
+def efficiency(raw: Raw, scene: Simulator) -> Array:
     """J_W = -(distance * mean height) / (|W| p_max dV_x), the paper's eqs. 9-10; most negative is best.
 
     Factors of the denominator are floored (`FLOORS`), so that a walk that loses nothing is not
@@ -177,7 +175,7 @@ def efficiency(raw: Raw, scene: Scene) -> Array:
 
 
 @objective("CoT", "", maximise=False, worst=1e6, least=0.0)
-def cost_of_transport(raw: Raw, scene: Scene) -> Array:
+def cost_of_transport(raw: Raw, scene: Simulator) -> Array:
     """Work / (M g distance): the sand's |W| on massless legs, a robot's joint work.
 
     NaN for a walker that does not get forward.
@@ -188,7 +186,7 @@ def cost_of_transport(raw: Raw, scene: Scene) -> Array:
 
 
 @objective(r"$W^+_{\mathrm{joint}}$", "J", maximise=False, worst=1e6, least=0.0)
-def joint_work(raw: Raw, scene: Scene) -> Array:
+def joint_work(raw: Raw, scene: Simulator) -> Array:
     """Positive work of the joints, J.
 
     Of massless legs the integral of the positive part of P_joint = -sum f.(v_plate - v_COM) of each leg,
@@ -198,31 +196,31 @@ def joint_work(raw: Raw, scene: Scene) -> Array:
 
 
 @objective(r"$z_{\max}$", "m", maximise=False, worst=1e3, least=0.0)
-def maximum_sinkage(raw: Raw, scene: Scene) -> Array:
+def maximum_sinkage(raw: Raw, scene: Simulator) -> Array:
     """Depth of the deepest plate below the sand at any step, m."""
     return raw["maximum_sinkage"]
 
 
 @objective(r"$F_{z,\max}$", "N", maximise=False, worst=1e9, least=0.0)
-def peak_vertical_force(raw: Raw, scene: Scene) -> Array:
+def peak_vertical_force(raw: Raw, scene: Simulator) -> Array:
     """Largest vertical force of both feet together at any step, N."""
     return raw["peak_vertical_force"]
 
 
 @objective(r"$e_{\mathrm{track}}$", "rad", maximise=False, worst=1e3, least=0.0)
-def tracking_error(raw: Raw, scene: Scene) -> Array:
+def tracking_error(raw: Raw, scene: Simulator) -> Array:
     """Root of the mean square by which a robot's servos miss their commands, over time and joints, rad."""
     return raw["tracking_error"]
 
 
 @objective(r"$\tau_{\max}$", "N m", maximise=False, worst=1e9, least=0.0)
-def torque(raw: Raw, scene: Scene) -> Array:
+def torque(raw: Raw, scene: Simulator) -> Array:
     """Largest torque of any actuator of a robot at any step, N m (N of one that slides)."""
     return raw["torque"]
 
 
 @objective(r"$t_{\mathrm{fall}}$", "s", maximise=True, worst=0.0)
-def survival(raw: Raw, scene: Scene) -> Array:
+def survival(raw: Raw, scene: Simulator) -> Array:
     """How long a robot walks before it falls, s: known of walks that fail, too."""
     return raw["survival"]
 
@@ -231,14 +229,12 @@ def survival(raw: Raw, scene: Scene) -> Array:
 FIVE = ("distance", "mean_height", "work", "peak_power", "speed_loss")
 
 
-def sizes(values: Array, scene: Scene | Simulator | None = None) -> Array:
+def sizes(values: Array, simulator: Simulator | None = None) -> Array:
     """Sizes that errors of the `FIVE` (walks, objectives) are relative to: J_W's floors or 1 mm at least.
 
-    Floors of work and power are in proportion for a walker whose weight times leg is less than a joule.
+    Floors of work and power are those of the simulator (`Simulator.least`).
     """
-    light = 1.0
-    if isinstance(scene, Scene):
-        light = min(1.0, scene.weight * (scene.walker.l1 + scene.walker.l2) / FLOORS["work"])
+    light = simulator.least if simulator else 1.0
     least = {"work": light * FLOORS["work"], "peak_power": light * FLOORS["peak_power"]}
     return np.maximum(np.abs(values), [least.get(name, 1e-3) for name in FIVE])
 
@@ -264,15 +260,14 @@ def gain_shares(values: dict[str, float], base: dict[str, float]) -> dict[str, f
     return dict(zip(FIVE, shares.tolist(), strict=True))
 
 
-def offered(simulator: Simulator | Scene) -> tuple[str, ...]:
+def offered(simulator: Simulator) -> tuple[str, ...]:
     """Names of the measures that a simulator's walks have: those whose quantities it gives."""
-    quantities = simulator.quantities if isinstance(simulator, Simulator) else RAW
-    ones, found = {name: np.ones(1) for name in quantities}, []
+    ones, found = {name: np.ones(1) for name in simulator.quantities}, []
     for name, o in MEASURES.items():
         try:
             if o.of == "raw":
                 o.value(ones, simulator)
-            elif o.of == "walk" and not getattr(simulator, "traces", True):
+            elif o.of == "walk" and not simulator.traces:
                 continue
         except KeyError:
             continue
@@ -280,7 +275,7 @@ def offered(simulator: Simulator | Scene) -> tuple[str, ...]:
     return tuple(found)
 
 
-def lookup(names: Sequence[str], simulator: Simulator | Scene | None = None) -> list[Objective]:
+def lookup(names: Sequence[str], simulator: Simulator | None = None) -> list[Objective]:
     """Objectives by name, in that order; of those that a simulator offers."""
     known = tuple(MEASURES) if simulator is None else offered(simulator)
     check(names, "objective.names", list(names), f"one or more of {', '.join(known)}")

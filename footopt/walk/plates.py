@@ -4,19 +4,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from footopt.arrays import Array
 from footopt.compiled import unless_none
 from footopt.foot import Plates
 from footopt.gait.gait import Pose
-from footopt.walk.accuracy import Accuracy
 from footopt.walk.contact import TURN, bristles_between, plate_force
-from footopt.walk.discretize import sole_of, world
+from footopt.walk.discretize import sole_of
 from footopt.walk.own_code import compiled_for
-from footopt.walk.scene import Scene
-from footopt.walk.state import Motion, ankle_of, in_world, plates_between, write
-
-Array = NDArray[np.float64]
+from footopt.walk.state import Motion, World, ankle_of, in_world, plates_between, write
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,24 +47,22 @@ def plate_states(
     pose: Pose,
     com: Array,
     velocity: Array,
-    scene: Scene,
+    world: World,
     turning_speed: float,
     bristles: Array | None = None,
 ) -> PlateStates:
-    """The plates of one foot shape under a walker in some states, with a scene's sand and effects.
+    """The plates of one foot shape under a walker in some states, on the sand of a world.
 
     The plates are directed, of one design; the pose is that of both feet at M times, and place and velocity
     of the hip are (M, 2), m and m/s. The law's jump at rest is smoothed over the turning speed, m/s, or
     `bristles` (M, 2, N, 2) are turned by motion over that speed; infinity leaves them as they are.
     """
-    constants, sole, count = world(scene, Accuracy()), sole_of(plates), plates.x.shape[1]
+    sole, count = sole_of(plates), plates.x.shape[1]
     h0, hip, out = None, np.column_stack([com, velocity]), np.zeros((*pose.x.shape, sole.plates.shape[1], 8))
     if bristles is not None:
         h0 = np.zeros((*pose.x.shape, 2, sole.plates.shape[1]))
         h0[..., :count] = np.moveaxis(bristles, 3, 2)
-    compiled_for(each_plate, constants.effects.all)(
-        constants, sole, pose.table(), hip, turning_speed, h0, out
-    )
+    compiled_for(each_plate, world.effects.all)(world, sole, pose.table(), hip, turning_speed, h0, out)
     place, moves, force, normal = (out[:, :, :count, i : i + 2] for i in range(0, 8, 2))
     slip = np.hypot(turning_speed, TURN * float(sole.span) * pose.rate)
     return PlateStates(place, moves, force, normal, plates.area[0], slip)

@@ -9,12 +9,11 @@ from dataclasses import replace
 import numpy as np
 
 from footopt.foot import Foot
-from footopt.walk import discretize
-from footopt.walk.accuracy import Accuracy, AnyAccuracy, resolve
+from footopt.walk.accuracy import Accuracy, AnyAccuracy
 from footopt.walk.objectives import FIVE, sizes
 from footopt.walk.results import Walk
-from footopt.walk.scene import Scene
 from footopt.walk.simulate import estimated, simulate
+from footopt.walk.simulator import Simulator
 from footopt.walk.validity import Diagnostic
 
 #: A warning is due where the estimate is this many times what the accuracy promises.
@@ -45,7 +44,7 @@ def finer(accuracy: Accuracy) -> dict[str, Accuracy]:
 
 def estimate_error(
     foot: Foot,
-    scene: Scene | None = None,
+    scene: Simulator | None = None,
     accuracy: AnyAccuracy | str = "standard",
     names: Sequence[str] | None = None,
 ) -> dict[str, float]:
@@ -61,7 +60,7 @@ def estimate_error(
     names : sequence of str, optional
         Of measures; by default all compiled objectives.
     """
-    return error_of(simulate(foot, scene or Scene(), resolve(accuracy)), names)
+    return error_of(simulate(foot, scene, accuracy), names)
 
 
 def error_of(walk: Walk, names: Sequence[str] | None = None) -> dict[str, float]:
@@ -103,11 +102,11 @@ def resolution(walk: Walk, errors: Mapping[str, float]) -> list[Diagnostic]:
     changes = {
         cause: abs(simulate(walk.foot, walk.scene, one).objectives[worst] - values[worst])
         for cause, one in finer(walk.accuracy).items()
-        if isinstance(walk.scene, Scene) and not discretize.too_many_poses(walk.scene, one)
+        if not walk.scene.too_long(one)
     }
-    if isinstance(walk.scene, Scene) and not changes:
+    if not changes:
         return []
-    why = CAUSES[max(changes, key=lambda cause: changes[cause], default="accuracy.dt")]
+    why = CAUSES[max(changes, key=lambda cause: changes[cause])]
     name = f"estimated error of {worst.replace('_', ' ')}"
     return [Diagnostic(name, 100.0 * shares[worst], "%", 100.0 * limit, why)]
 
@@ -115,7 +114,7 @@ def resolution(walk: Walk, errors: Mapping[str, float]) -> list[Diagnostic]:
 def _outcome(walk: Walk, limit: float) -> list[Diagnostic]:
     """Whether a finer walk fails where this one did not."""
     finer = walk.accuracy.refined(2)
-    if isinstance(walk.scene, Scene) and discretize.too_many_poses(walk.scene, finer):
+    if walk.scene.too_long(finer):
         return []
     ends = {one.reason for one in (simulate(walk.foot, walk.scene, walk.accuracy.refined(n)) for n in (1, 2))}
     reasons = ", ".join(sorted(ends - {""}))

@@ -3,27 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from footopt.arrays import Array, Bools, Ints, Words
 from footopt.effects import reshaping
 from footopt.foot import Foot, Plates
 from footopt.gait.gait import Pose
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.bristles import turning_speed_of
-from footopt.walk.discretize import world
-from footopt.walk.metrics import RAW
 from footopt.walk.objectives import MEASURES, OBJECTIVES, Objective, by_name, lookup, offered
 from footopt.walk.plates import PlateStates, plate_states
-from footopt.walk.scene import Scene
 from footopt.walk.simulator import Simulator
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -42,18 +38,16 @@ class Table:
         "" or why it failed: sunk, backward, diverged.
     raw : (designs, quantities)
         Measured by the walks, columns `quantities`.
-    evaluations, plates : (designs,), int
-        Evaluations of the contact, and of plates in them.
-    shortened : (designs,), int
-        Steps under control that were repeated with half their length: their error was too large, or Newton's
-        method did not converge.
-    repeats : (designs,), int
-        How often the walk was repeated with a quarter of the time step because a step could not be
-        solved or a state was not finite.
-    scene : Scene or Simulator
+    evaluations : (designs,), int
+        Of the contact.
+    scene : Simulator
         Of the walks.
     quantities : tuple of str
         Names of `raw`.
+    counts : dict of str to (designs,), int
+        Of the planar walker: evaluations of plates; steps under control that were shortened to half their
+        length, as their error was too large or Newton's method did not converge; repeats of the walk with a
+        quarter of the time step, as a step could not be solved or a state was not finite.
     errors : (designs, objectives), optional
         Estimates of the values' errors, in their units; NaN where a finer walk ends otherwise or is too long.
         None unless `evaluate` was asked for them.
@@ -61,15 +55,13 @@ class Table:
 
     values: Array
     names: tuple[str, ...]
-    feasible: NDArray[np.bool_]
-    reasons: NDArray[np.str_]
+    feasible: Bools
+    reasons: Words
     raw: Array
-    evaluations: NDArray[np.int64]
-    plates: NDArray[np.int64]
-    shortened: NDArray[np.int64]
-    repeats: NDArray[np.int64]
-    scene: Scene | Simulator
-    quantities: tuple[str, ...] = RAW
+    evaluations: Ints
+    scene: Simulator
+    quantities: tuple[str, ...]
+    counts: Mapping[str, Ints]
     errors: Array | None = None
 
     def __repr__(self) -> str:
@@ -152,16 +144,16 @@ class Walk:
         Negative where the sand takes energy.
     start : (2,), m
         Hip at t = 0.
-    bristles : (R, 2 feet, N, 2), optional
-        Memory of the sand under each plate (`footopt.walk.bristles`): of a long walk, of fewer samples.
+    bristles : (T, 2 feet, N, 2), optional
+        Memory of the sand under each plate (`footopt.walk.bristles`).
     reason : str
         "" or why the walk failed (then the traces end there).
     totals : dict
         The loop's own results by name (`RAW`), by the stepper's own quadrature.
-    evaluations, shortened, repeats : int
-        Of the walk, see `Table`.
-    remembered : (T,), optional
-        The row of `bristles` nearest to each sample; None where each has its own.
+    evaluations : int
+        Of the contact.
+    counts : dict of str to int
+        See `Table`.
     """
 
     foot: Foot
@@ -178,9 +170,7 @@ class Walk:
     reason: str
     totals: dict[str, float]
     evaluations: int
-    shortened: int
-    repeats: int
-    remembered: NDArray[np.int64] | None = None
+    counts: Mapping[str, int] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         title = f"<Walk of {self.foot.name} on {self.scene.title}"
@@ -258,26 +248,27 @@ class Walk:
     def plates(self, index: ArrayLike) -> PlateStates:
         """Every plate's place, motion and force at some samples, by the walk's own law."""
         i = np.asarray(index)
-        rows = i if self.remembered is None else self.remembered[i]
-        bristles = None if self.bristles is None else self.bristles[rows].astype(np.float64)
-        state = self.sole, self.pose(i), self.com[i], self.velocity[i], self.world, self.turning_speed
+        bristles = None if self.bristles is None else self.bristles[i].astype(np.float64)
+        constants = self.world.constants(self.accuracy)
+        state = self.sole, self.pose(i), self.com[i], self.velocity[i], constants, self.turning_speed
         return plate_states(*state, bristles=bristles)
 
     @property
     def turning_speed(self) -> float:
         """The speed over which motion turns a plate's direction at an instant, m/s."""
-        constants = world(self.world, self.accuracy)
+        constants = self.world.constants(self.accuracy)
         return float(turning_speed_of(constants.bristle_length, constants, 0.0))
 
     @property
-    def world(self) -> Scene:
-        """The sand of the walk, its effects, and gravity."""
-        found: Scene = self.scene
-        return found
+    def world(self) -> Any:
+        """The `Scene` of the walk's sand, effects and gravity."""
+        return self.scene
 
     def pose(self, index: ArrayLike) -> Pose:
         """Both feet from the COM at some samples."""
-        return self.world.gait.pose(self.t[np.asarray(index)], self.world.walker.l1, self.world.walker.l2)
+        path = self.world.path
+        pose: Pose = path.gait.pose(self.t[np.asarray(index)], path.l1, path.l2)
+        return pose
 
     def camera(self) -> AbstractContextManager[Any]:
         """A context with a `footopt.mujoco.camera.Camera` of what walks, None where there is none."""
@@ -298,7 +289,8 @@ class Walk:
 
     def pitch(self, t: ArrayLike) -> Array:
         """Pitch of both feet at times (M,): (M, 2 feet), rad."""
-        return self.world.gait.angles(np.asarray(t, float))[2][0]
+        angles: Array = self.world.gait.angles(np.asarray(t, float))[2][0]
+        return angles
 
     @property
     def sole(self) -> Plates:

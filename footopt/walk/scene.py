@@ -1,70 +1,34 @@
-"""The input of a simulation: `Walker` and `Scene`, plain frozen data."""
-
-from __future__ import annotations
+"""`Scene`: the sand, gait and walker of a walk, and the simulator of the planar walker."""
 
 import math
-from dataclasses import asdict, dataclass, field
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from footopt.arrays import Array
 from footopt.effects import base as effects
 from footopt.effects.base import Effect, ordered
 from footopt.errors import check, check_kind
+from footopt.foot import Foot, Waypoints
 from footopt.gait import Gait
 from footopt.sand import Sand
 from footopt.sand.law import EARTH
-
-#: Units and ranges of a walker's numbers, from an insect to an excavator that walks.
-WALKERS = {
-    "mass": ("kg", 1e-9, 1e9),
-    "l1": ("m", 1e-4, 100.0),
-    "l2": ("m", 1e-4, 100.0),
-    "g": ("m/s^2", 1e-6, 1e6),
-}
-
-
-@dataclass(frozen=True)
-class Walker:
-    """A biped with all its mass at the hip and massless legs (the paper's table 1).
-
-    Parameters
-    ----------
-    mass : float, kg
-        Of the whole walker, M.
-    l1 : float, m
-        Length of a thigh.
-    l2 : float, m
-        Length of a shank.
-    g : float, m/s^2
-        Gravity. The sand's strength is in proportion to it: see `Scene.zeta`.
-
-    Raises
-    ------
-    SettingError
-        A number is not in `WALKERS`' range.
-    """
-
-    mass: float = 60.0
-    l1: float = 0.47
-    l2: float = 0.45
-    g: float = EARTH
-
-    def __post_init__(self) -> None:
-        for name, (unit, low, high) in WALKERS.items():
-            value = getattr(self, name)
-            allowed = f"a number > 0, from {low:g} to {high:g}, in {unit}"
-            check(low <= value <= high, f"walker.{name}", value, allowed)
-
-    @property
-    def weight(self) -> float:
-        """M g, N."""
-        return self.mass * self.g
+from footopt.walk.accuracy import Accuracy, Tolerance
+from footopt.walk.batch import REASONS, chunks, walk_batch
+from footopt.walk.discretize import Path, too_many_poses, world
+from footopt.walk.ladder import Found, climbed, numbers_at
+from footopt.walk.loop import OK
+from footopt.walk.metrics import RAW, Sample
+from footopt.walk.results import Walk
+from footopt.walk.simulator import Simulator, Walked
+from footopt.walk.state import COUNTED, World
+from footopt.walk.walker import Walker
 
 
 @dataclass(frozen=True)
-class Scene:
+class Scene(Simulator):
     """The physics of a walk: which sand, which gait, which walker, how long.
 
     Parameters
@@ -110,13 +74,23 @@ class Scene:
         """t_f, s."""
         return self.gait.start + 2.0 * self.gait.period if self.t_f is None else self.t_f
 
-    #: The quantity that `cost_of_transport` counts: joints of massless legs spend what the sand takes.
+    #: Joints of massless legs spend what the sand takes.
     transport: ClassVar[str] = "work"
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """Names of what `walk` measures."""
+        return RAW
 
     @property
     def weight(self) -> float:
         """M g, N."""
         return self.walker.weight
+
+    @property
+    def least(self) -> float:
+        """In proportion for a walker whose weight times leg is less than a joule."""
+        return min(1.0, self.weight * (self.walker.l1 + self.walker.l2))
 
     @property
     def title(self) -> str:
@@ -150,7 +124,7 @@ class Scene:
         return self.gait.period
 
     @property
-    def strikes(self) -> NDArray[np.float64]:
+    def strikes(self) -> Array:
         """Times of all heel strikes, the right foot's first, s."""
         return self.gait.heel_strikes(self.duration)
 
@@ -175,6 +149,70 @@ class Scene:
     def gravity(self) -> tuple[float, float]:
         """Gravity along the surface (negative uphill, 0 if it is level) and against its normal, m/s^2."""
         return effects.gravity(self.effects, self.walker.g)
+
+    @property
+    def path(self) -> Path:
+        """How feet move relative to the hip."""
+        return Path(self.gait, self.walker.l1, self.walker.l2, self.duration)
+
+    def constants(self, accuracy: Accuracy) -> World:
+        """The constants of a compiled walk."""
+        return world(self.sand, self.walker, self.effects, accuracy.creep)
+
+    def too_long(self, accuracy: Accuracy) -> bool:
+        """Whether a walk needs more poses than are tabulated."""
+        return too_many_poses(self.path, accuracy)
+
+    def walk(
+        self,
+        feet: Sequence[Foot],
+        accuracy: Accuracy,
+        threads: int | None = None,
+        names: Sequence[str] = (),
+    ) -> Walked:
+        """Walk with some feet by the compiled loop, which follows the sinkage where it is asked for."""
+        sink, constants = "maximum_sinkage" in names, self.constants(accuracy)
+        parts = [
+            walk_batch(plates, self.path, constants, accuracy, sink, threads)[:3]
+            for plates in chunks(feet, self.effects, accuracy)
+        ]
+        raw, status, counts = (np.concatenate(column) for column in zip(*parts, strict=True))
+        raw[status != OK] = np.nan
+        if not sink:
+            raw[:, RAW.index("maximum_sinkage")] = np.nan
+        reasons = np.array([REASONS[int(s)] for s in status], dtype=np.str_)
+        return Walked(raw, reasons, counts["evaluations"], {name: counts[name] for name in COUNTED})
+
+    def trace(self, foot: Foot, accuracy: Accuracy) -> Walk:
+        """Walk with one foot, keeping full traces."""
+        (plates,) = chunks([foot], self.effects, accuracy)
+        constants = self.constants(accuracy)
+        walked = walk_batch(plates, self.path, constants, accuracy, sink=True, threads=1, traced=True)
+        rows, h = 1 + np.flatnonzero(np.isfinite(walked.trace[1:]).all(axis=1)), walked.bristles
+        c: Any = Sample(*walked.trace[rows].T)  # columns
+        return Walk(
+            foot=foot,
+            scene=self,
+            accuracy=accuracy,
+            t=c.t,
+            com=np.column_stack([c.x, c.z]),
+            velocity=np.column_stack([c.vx, c.vz]),
+            force=np.stack([c.fx_left, c.fz_left, c.fx_right, c.fz_right], axis=1).reshape(-1, 2, 2),
+            power=np.column_stack([c.power_left, c.power_right]),
+            work=np.column_stack([c.work_left, c.work_right]),
+            bristles=None if h is None else np.moveaxis(h[rows][..., : plates.x.shape[1]], 2, 3),
+            start=np.array(Sample(*walked.trace[0])[1:3]),
+            reason=REASONS[int(walked.status[0])],
+            totals=dict(zip(RAW, map(float, walked.raw[0]), strict=True)),
+            evaluations=int(walked.counts["evaluations"][0]),
+            counts={name: int(walked.counts[name][0]) for name in COUNTED},
+        )
+
+    def ladder(self, of: Tolerance, soles: Waypoints | tuple[Foot, ...]) -> tuple[Accuracy, Found]:
+        """The numbers of a tolerance, and how they were found."""
+        found = climbed(replace(of, name="", refinements=0), self, self.path, soles)
+        numbers = numbers_at(of, self.path, found.rung)
+        return replace(numbers.refined(of.refinements), **of.by_hand) if of.refinements else numbers, found
 
     def need_heel_strike(self) -> None:
         """Raise unless the walk has a heel strike: without one p_max and dV_x are not defined."""

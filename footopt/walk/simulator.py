@@ -9,32 +9,30 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from footopt.arrays import Array, Ints, Words
 from footopt.effects.base import Effect
 from footopt.errors import SettingError, check
 from footopt.foot import Foot, Waypoints
-from footopt.gait import Gait
 from footopt.sand import Sand
 from footopt.sand.law import EARTH
 from footopt.walk.accuracy import Accuracy, Tolerance
-
-Array = NDArray[np.float64]
 
 
 class Walked(NamedTuple):
     """Feet that have walked, a row each."""
 
     raw: Array  # (feet, quantities), NaN for a walk that failed, but for what is known of it
-    reasons: NDArray[np.str_]  # why a walk failed, or ""
-    evaluations: NDArray[np.int64]  # of the contact
+    reasons: Words  # why a walk failed, or ""
+    evaluations: Ints  # of the contact
+    counts: Mapping[str, Ints] = {}  # of anything else
 
 
 class Simulator(ABC):
-    """What walks with a foot: a robot, or a function. `Scene`, the planar walker, is built in.
+    """What walks with a foot: the planar walker of a `Scene`, a robot, or a function.
 
-    `footopt.simulate`, `footopt.evaluate`, `FootProblem` and all that is made of them take either. A class
-    that inherits from it is a frozen dataclass: a store keeps the fields that it is compared by.
+    `footopt.simulate`, `footopt.evaluate`, `FootProblem` and all that is made of them take any. A class that
+    inherits from it is a frozen dataclass: a store keeps the fields that it is compared by.
     """
 
     #: Whether it can keep traces: `trace`.
@@ -61,17 +59,23 @@ class Simulator(ABC):
         return EARTH
 
     @property
-    def gait(self) -> Gait | None:
-        """The gait that it tracks, if it does."""
-        return None
-
-    @property
     def body(self) -> str:
         """What walks, in a few words, such as "a robot of 60 kg"."""
         return ""
 
+    @property
+    def least(self) -> float:
+        """The least work, J, and power, W, in which errors are relative to them, not to this number."""
+        return 1.0
+
     @abstractmethod
-    def walk(self, feet: Sequence[Foot], accuracy: Accuracy, threads: int | None = None) -> Walked:
+    def walk(
+        self,
+        feet: Sequence[Foot],
+        accuracy: Accuracy,
+        threads: int | None = None,
+        names: Sequence[str] = (),
+    ) -> Walked:
         """Walk with some feet.
 
         Parameters
@@ -82,7 +86,13 @@ class Simulator(ABC):
             As `ladder` has found it.
         threads : int, optional
             How many to use; by default as many as the process may run on.
+        names : sequence of str
+            The objectives that are asked for: what only others need may be NaN.
         """
+
+    def too_long(self, accuracy: Accuracy) -> bool:
+        """Whether a walk has more steps at an accuracy than can be made."""
+        return False
 
     def trace(self, foot: Foot, accuracy: Accuracy) -> Any:
         """Walk with one foot, keeping full traces: a `footopt.Walk`."""
@@ -153,7 +163,13 @@ class FunctionSimulator(Simulator):
         name = getattr(self.function, "__qualname__", repr(self.function))
         object.__setattr__(self, "title", name.replace("_", " "))
 
-    def walk(self, feet: Sequence[Foot], accuracy: Accuracy, threads: int | None = None) -> Walked:
+    def walk(
+        self,
+        feet: Sequence[Foot],
+        accuracy: Accuracy,
+        threads: int | None = None,
+        names: Sequence[str] = (),
+    ) -> Walked:
         """Call the function for each foot."""
         raw, reasons = np.full((len(feet), len(self.quantities)), np.nan), []
         for row, foot in zip(raw, feet, strict=True):

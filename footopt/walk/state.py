@@ -5,13 +5,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba.core import cgutils
 from numba.extending import intrinsic, overload
-from numpy.typing import NDArray
 
+from footopt.arrays import Array
 from footopt.compiled import INLINE, inlined, unless_none
 from footopt.effects import Laws
 from footopt.sand.law import Law
-
-Array = NDArray[np.float64]
 
 LANES = 8  # plates are padded to a multiple of this, and summed in such blocks
 
@@ -19,7 +17,8 @@ NO_FOOT = -1  # in place of a foot's number
 
 #: Counts of a walk: evaluations of the contact, of plates in it, steps that were repeated with half their
 #: length, and how often the whole walk was, with a quarter of it.
-COUNTS = np.dtype([(name, np.int64) for name in ("evaluations", "plates", "shortened", "repeats")])
+COUNTED = ("plates", "shortened", "repeats")
+COUNTS = np.dtype([(name, np.int64) for name in ("evaluations", *COUNTED)])
 
 
 class World(NamedTuple):

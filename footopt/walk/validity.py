@@ -9,16 +9,14 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from footopt.arrays import Ints
 from footopt.effects import EFFECTS, laws
 from footopt.effects import base as effects
 from footopt.foot import Foot
 from footopt.walk.balances import creep_while_standing
 from footopt.walk.objectives import measure
 from footopt.walk.results import Walk
-
-Ints = NDArray[np.int64]
 
 SAMPLES = 600  # instants of the walk that are looked at
 

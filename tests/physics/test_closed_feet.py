@@ -8,7 +8,7 @@ from shapely import Polygon
 
 import footopt as fo
 from footopt.files.outline import closed_contour
-from footopt.foot import as_plates
+from footopt.foot import as_feet, as_plates
 
 K = (5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4)
 SHADES = fo.Shadowing()
@@ -43,7 +43,7 @@ def test_a_population_and_a_foot_have_the_same_plates():
     space = fo.Waypoints(closed=True, top=0.01)
     alone = fo.Foot.from_waypoints(K, space).plates(48, directed=True, fill=SHADES.reshape)
     for a, b in zip(
-        as_plates([K, K], 48, "arc", space, directed=True, fill=SHADES.reshape), alone, strict=True
+        as_plates(as_feet([K, K], space), 48, "arc", directed=True, fill=SHADES.reshape), alone, strict=True
     ):
         np.testing.assert_array_equal(a[1], b[0])
 

@@ -15,7 +15,7 @@ from footopt.effects import EFFECTS, Inertia, Layers, Patches, Slope, laws, resh
 from footopt.effects import base as effects
 from footopt.effects.dual import Dual
 from footopt.walk.balances import energy_gap
-from footopt.walk.discretize import NEWTON, sole_of, world
+from footopt.walk.discretize import NEWTON, sole_of
 from footopt.walk.loop import both_feet
 from footopt.walk.own_code import compiled_for
 from footopt.walk.state import COUNTS, Motion
@@ -63,7 +63,7 @@ class TestContact:
         accuracy = regular_walk.accuracy
         plates = regular_walk.foot.plates(accuracy.plates, accuracy.rule, directed=True, fill=reshaping(ALL))
         pose = scene.gait.pose([t], scene.walker.l1, scene.walker.l2).table()[0]
-        counts, constants = np.zeros(1, COUNTS)[0], world(scene, accuracy)
+        counts, constants = np.zeros(1, COUNTS)[0], scene.constants(accuracy)
         state = constants, sole_of(plates), pose, Motion(x, z, vx, vz), accuracy.creep, None, counts
         out = np.array(compiled_for(both_feet, laws(scene.effects).all)(*state)[:2])
         tolerance = 1e-10 * (1.0 + np.abs(states.force).sum())

@@ -11,7 +11,7 @@ from scipy.interpolate import CubicSpline
 
 import footopt as fo
 from footopt.errors import SettingError
-from footopt.foot import SHAPES, as_plates
+from footopt.foot import SHAPES, Soles, as_feet, as_plates
 from footopt.foot.plates import RULES
 
 SPACE = fo.Waypoints()
@@ -101,7 +101,10 @@ class TestPlates:
         spline = reference_spline(SPACE, k)
         pieces = zip(SPACE.x[:-1], SPACE.x[1:], strict=True)
         arc = sum(quad(lambda x: math.hypot(1.0, spline(x, 1)), a, b)[0] for a, b in pieces)
-        short = [1.0 - as_plates(k, n, rule, SPACE).area.sum() / (SPACE.width * arc) for n in (100, 200, 400)]
+        short = [
+            1.0 - as_plates(Soles(k, SPACE), n, rule).area.sum() / (SPACE.width * arc)
+            for n in (100, 200, 400)
+        ]
         assert -1e-9 < short[2] < 1e-4
         if short[2] > 1e-6:
             assert 3.5 < short[0] / short[1] < 4.5
@@ -122,7 +125,7 @@ class TestPlates:
     @given(HEIGHTS)
     def test_averaged_over_their_arc_keep_the_soles_area_and_first_moments(self, k):
         """An averaged plate stands for its chords: sums over the sole do not notice."""
-        chord, arc = as_plates(k, 256, "chord", SPACE), as_plates(k, 64, "arc", SPACE)
+        chord, arc = as_plates(Soles(k, SPACE), 256, "chord"), as_plates(Soles(k, SPACE), 64, "arc")
         for name in ("x", "z", "c2", "s2"):
             fine = np.sum(chord.area * getattr(chord, name))
             assert np.sum(arc.area * getattr(arc, name)) == pytest.approx(fine, abs=1e-14)
@@ -133,7 +136,7 @@ class TestPlates:
         """Bit for bit: stores and engines rest on it."""
         i = data.draw(st.integers(0, len(batch) - 1))
         shaded = {"directed": True, "fill": fo.Shadowing().reshape}
-        together, alone = (as_plates(k, 64, "arc", SPACE, **shaded) for k in (batch, batch[i]))
+        together, alone = (as_plates(as_feet(k, SPACE), 64, "arc", **shaded) for k in (batch, batch[i]))
         for all_, one in zip(together, alone, strict=True):
             np.testing.assert_array_equal(all_[i], one[0])
         np.testing.assert_array_equal(SPACE.contour(batch)[i], SPACE.contour(batch[i])[0])

@@ -119,10 +119,10 @@ def test_forces_are_those_of_the_planar_law_with_its_effects(block, effects):
         height = rng.uniform(-0.05, 0.04)
         cos, sin, none = np.cos(pitch), np.sin(pitch), np.zeros((1, 1))
         pose = Pose(none, none, none, none, none + pitch, none + rate)
-        h, place = np.zeros((1, 1, 64, 2)), np.array([[0.0, height]])
-        moving = plate_states(plates, pose, place, np.array([[vx, vz]]), scene, 1e-4, h)
+        h, place, world = np.zeros((1, 1, 64, 2)), np.array([[0.0, height]]), scene.constants(fo.Accuracy())
+        moving = plate_states(plates, pose, place, np.array([[vx, vz]]), world, 1e-4, h)
         h = moving.velocity / np.linalg.norm(moving.velocity, axis=-1, keepdims=True)
-        states = plate_states(plates, pose, place, np.array([[vx, vz]]), scene, 1e-4, h)
+        states = plate_states(plates, pose, place, np.array([[vx, vz]]), world, 1e-4, h)
         each, (rx, rz) = states.force[0, 0], states.position[0, 0].T - [[0.0], [height]]
         twist = (cos * vx + sin * vz, 0.0, -sin * vx + cos * vz, 0.0, -rate, 0.0)
         wrench, _ = feel(contact, np.array([sin, 0.0, cos]), twist, height)

@@ -83,7 +83,7 @@ class TestStudy:
         free, held = judge_case(BY_NAME["a step ten times larger"], base, ["sdirk2", "sdirk2_control"])
         assert not free.stable
         assert free.decides.name == "peak"
-        assert held.walk.shortened > 0
+        assert held.walk.counts["shortened"] > 0
         assert held.decides.value < 0.1 * free.decides.value
 
     def test_the_papers_stepper_cannot_stand(self, base):

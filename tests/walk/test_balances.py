@@ -143,7 +143,7 @@ class TestNewton:
         scenes = [fo.Scene(fo.Sand(zeta), gait, effects=effects) for gait in (turning, level(turning))]
         walks = [fo.evaluate(feet, scene, accuracy) for scene in scenes]
         assert (walks[1].evaluations <= 2.0 * walks[0].evaluations).all()
-        assert not walks[1].repeats.any()
+        assert not walks[1].counts["repeats"].any()
 
     def test_a_march_is_right(self, flat_foot):
         """Level feet set down at 3 m/s."""
@@ -161,7 +161,7 @@ class TestNewton:
         finer = fo.simulate(ramp_foot, scene, fo.Accuracy("sdirk2", 1e-3, 64, 1e-5))
         for name in ("distance", "mean_height", "work", "speed_loss"):
             assert walk.objectives[name] == pytest.approx(finer.objectives[name], rel=0.05)
-        step = walk.accuracy.dt / 4**walk.repeats
+        step = walk.accuracy.dt / 4 ** walk.counts["repeats"]
         assert np.median(np.diff(walk.t)) == pytest.approx(step, rel=0.02)
 
     @pytest.mark.parametrize("stepper", ["sdirk2", "implicit_euler"])

@@ -99,9 +99,9 @@ def measured(feet, scene, accuracy):
     table = fo.evaluate(feet, scene, NUMBERS.get(accuracy, accuracy), OBJECTIVES)
     digest = hashlib.sha256(np.ascontiguousarray(table.values).tobytes())
     digest.update(table.evaluations.tobytes())
-    digest.update(table.plates.tobytes())
+    digest.update(table.counts["plates"].tobytes())
     means = table.values[table.feasible].mean(axis=0) if table.feasible.any() else np.zeros(len(OBJECTIVES))
-    counts = [int(table.feasible.sum()), int(table.evaluations.sum()), int(table.plates.sum())]
+    counts = [int(table.feasible.sum()), int(table.evaluations.sum()), int(table.counts["plates"].sum())]
     return [*counts, digest.hexdigest()[:16], *map(repr, map(float, means))]
 
 

@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import footopt as fo
+from footopt.foot import Soles
 from footopt.walk.accuracy import PRESETS, TOLERANCES
 from footopt.walk.ladder import SHARE, Rung, changes_of, climb, ladder, numbers_at, numerics, worst
 
@@ -130,8 +131,8 @@ class TestNumbers:
         space, scene = fo.Waypoints(n=5, K=4), fo.Scene()
         k = [[1, 2, 3, 4, 1], [4, 4, 4, 4, 4]]
         foot = fo.Foot.from_waypoints(k[0], space)
-        soles = ((space,), (foot,), (k, space), (k[:1], space))
-        assert len({numerics(PRESETS["draft"], scene, *of) for of in soles}) == 1
+        soles = (space, foot, Soles(k, space), Soles(k[:1], space))
+        assert len({numerics(PRESETS["draft"], scene, of) for of in soles}) == 1
 
     def test_follow_the_scale_of_the_walker(self):
         """A walker of a quarter of the size in half the time has steps half as long at half the speeds."""
@@ -139,7 +140,7 @@ class TestNumbers:
             Rung(2, 3, 1),
             (fo.Scene(), fo.Scene(gait=fo.Gait.human(period=0.6), walker=fo.Walker(1.0, 0.1, 0.13))),
         )
-        large, small = (numbers_at(PRESETS["draft"], scene, rung) for scene in scenes)
+        large, small = (numbers_at(PRESETS["draft"], scene.path, rung) for scene in scenes)
         assert small.dt == pytest.approx(large.dt / 2)
         assert small.creep == pytest.approx(large.creep / 2)
         assert small.control == pytest.approx(large.control / 2)

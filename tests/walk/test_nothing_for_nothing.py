@@ -17,7 +17,7 @@ from footopt.compiled import FAST
 from footopt.effects import laws
 from footopt.effects.dual import placed, positive
 from footopt.walk.contact import direction, foot_force, kinematics, resistance
-from footopt.walk.discretize import sole_of, world
+from footopt.walk.discretize import sole_of
 from footopt.walk.state import LANES, Ankle, plates_between
 
 #: Floating-point instructions of LLVM, and calls of its mathematical functions.
@@ -52,7 +52,7 @@ def operations(compiled, *on):
     ankle = Ankle(0.1, -0.1, 0.3, -0.2, math.cos(0.1), math.sin(0.1), 0.5)
     sole = sole_of(plates)
     part = plates_between(sole, sole.directed, 0, sole.plates.shape[1])
-    arguments = world(scene, fo.Accuracy()), part, ankle, 1e-3
+    arguments = scene.constants(fo.Accuracy()), part, ankle, 1e-3
     result = compiled(*arguments)
     *_, text = compiled.inspect_llvm().values()
     assert "fmul" in text

@@ -59,8 +59,8 @@ class TestFailures:
     def test_a_walk_that_diverges_is_repeated_with_shorter_steps_and_that_is_counted(self, flat_foot):
         walk = fo.simulate(flat_foot, self.LIGHT, self.LONG)
         table = fo.evaluate([flat_foot], self.LIGHT, self.LONG)
-        assert walk.repeats == table.repeats[0] > 0
-        assert len(walk.t) == 290 * 4**walk.repeats
+        assert walk.counts["repeats"] == table.counts["repeats"][0] > 0
+        assert len(walk.t) == 290 * 4 ** walk.counts["repeats"]
         np.testing.assert_allclose(
             table.values[0], [walk.objectives[name] for name in table.names], rtol=1e-12
         )
@@ -99,7 +99,7 @@ class TestTraces:
         accuracy = fo.Accuracy(dt=1e-2, control=1e-4)
         walk = fo.simulate(ramp_foot, fo.Scene(), accuracy)
         parts = 2**HALVINGS
-        grid = time_grid(walk.scene, accuracy)
+        grid = time_grid(walk.scene.path, accuracy)
         fine = np.concatenate([grid[:-1, None] + np.diff(grid)[:, None] * np.arange(parts) / parts]).ravel()
         place = np.searchsorted(fine, walk.t[:-1] - 1e-9)
         np.testing.assert_allclose(fine[place], walk.t[:-1], rtol=0, atol=1e-12)
@@ -108,9 +108,10 @@ class TestTraces:
         halvings = np.log2(steps.max() / steps)
         np.testing.assert_allclose(halvings, np.round(halvings), atol=1e-6)
         assert set(np.round(halvings)) == {0, 1, 2, 3}
-        assert 0 < walk.shortened < 0.2 * len(walk.t)
+        assert 0 < walk.counts["shortened"] < 0.2 * len(walk.t)
         table = fo.evaluate([ramp_foot], walk.scene, accuracy)
-        assert (table.shortened[0], table.evaluations[0]) == (walk.shortened, walk.evaluations)
+        assert table.counts["shortened"][0] == walk.counts["shortened"]
+        assert table.evaluations[0] == walk.evaluations
 
     def test_long_steps_while_standing_change_nothing(self, ramp_foot, monkeypatch):
         scene = fo.Scene(t_f=2.8)  # a scene of its own: pose tables are cached

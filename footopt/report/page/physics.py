@@ -117,6 +117,6 @@ def refusal(scene: Scene, accuracy: Accuracy, foot: Foot | Waypoints) -> str:
         return f"accuracy.stepper={accuracy.stepper} of this run is not in the page's own walk"
     if foot.closed:
         return "foot.closed=true of this run is not in the page's own walk"
-    if discretize.pose_rows(scene, accuracy) > ROWS:
+    if discretize.pose_rows(scene.path, accuracy) > ROWS:
         return "the walk of this run is too long, or its steps are too short, to be made while one waits"
     return ""

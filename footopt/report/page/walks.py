@@ -133,7 +133,7 @@ def place(world: Scene) -> str:
 
 def _common(
     entry: dict[str, Any],
-    scene: Scene | Simulator,
+    scene: Simulator,
     names: Sequence[str],
     accuracy: AnyAccuracy,
     foot: Foot | Waypoints,

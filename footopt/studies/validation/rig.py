@@ -18,7 +18,7 @@ from footopt.foot import Foot
 from footopt.gait.gait import Pose
 from footopt.mujoco.intrusion import Grains
 from footopt.sand import Sand
-from footopt.walk import Scene, Walk, simulate
+from footopt.walk import Accuracy, Scene, Walk, simulate
 from footopt.walk.plates import plate_states
 
 Array = NDArray[np.float64]
@@ -36,6 +36,7 @@ DOWN = (0.0, -1.0)
 def body(foot: Foot, scene: Scene, plates: int) -> Body:
     """Cut a body into plates, and return its force in a scene."""
     cut = foot.plates(plates, "chord", directed=True, fill=reshaping(scene.effects))
+    constants = scene.constants(Accuracy())
 
     def force(height: Array, velocity: ArrayLike, rate: ArrayLike = 0.0, pitch: ArrayLike = 0.0) -> Array:
         count = len(height)
@@ -43,7 +44,7 @@ def body(foot: Foot, scene: Scene, plates: int) -> Body:
         pose = Pose(none, none, none, none, turned, turns)
         moves = np.broadcast_to(np.asarray(velocity, float), (count, 2))
         com = np.stack([np.zeros(count), height], axis=-1)
-        return np.asarray(plate_states(cut, pose, com, moves, scene, CREEP).force.sum(axis=(1, 2)))
+        return np.asarray(plate_states(cut, pose, com, moves, constants, CREEP).force.sum(axis=(1, 2)))
 
     return force
 
