@@ -14,29 +14,28 @@ moves. Without the damper a walker vibrates on its bristles at sqrt(g / delta), 
 steps damp and short ones do not: tau = 2 sqrt(delta / g) is about critical, and vanishes with delta.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from footopt.arrays import Array
 from footopt.compiled import inlined, inlined_fast, unless_none
 from footopt.walk.contact import bristles_between, direction, kinematics, rsqrt, submerged
 from footopt.walk.state import ankle_of, in_world, plates_between
 
 
 class Bristles(NamedTuple):
-    """e of every plate, (2 feet, 2 components, padded plates) each; 0 in the air."""
+    """e of every plate, (2 feet, 2 components, padded plates) each; 0 in the air. None without bristles."""
 
-    h_n: Array  # at the step's beginning
-    h_stage: Array  # where its second stage begins
-    h_next: Array  # at its end
+    h_n: Any  # at the step's beginning
+    h_stage: Any  # where its second stage begins
+    h_next: Any  # at its end
 
 
 class StageBristles(NamedTuple):
     """The bristles that an implicit stage bends."""
 
-    before: Array
-    after: Array
+    before: Any
+    after: Any
     share: float  # of the way from before to its end that after is to be; 1 is the end
 
 
@@ -49,48 +48,32 @@ def turning_speed_of(length, world, c):
 
 
 @unless_none
-def bristles_at_start(length, plates):
-    """Under a walker that has sunk straight down to where it stands."""
-    h_n = np.zeros((2, 2, plates))
+def upright(length, size, plates):
+    """Bristles (2 feet, 2, plates) that are bent straight down by so much of their size."""
+    h = np.zeros((2, 2, plates))
     for i in range(plates):
-        h_n[0, 1, i] = h_n[1, 1, i] = -1.0
-    return Bristles(h_n, np.zeros((2, 2, plates)), np.zeros((2, 2, plates)))
+        h[0, 1, i] = h[1, 1, i] = -size
+    return h
 
 
-@unless_none
-def beginning(bristles):
-    """e at a step's beginning."""
-    return bristles.h_n
-
-
-@unless_none
-def whole_step(bristles):
-    """An implicit stage that is the whole step."""
-    return StageBristles(bristles.h_n, bristles.h_next, 1.0)
-
-
-@unless_none
-def stage_of(bristles, i, share):
-    """Stage i of two: the second begins on the first one's slope, a share of its way from the beginning."""
-    if i == 0:
-        return StageBristles(bristles.h_n, bristles.h_stage, share)
-    return StageBristles(bristles.h_stage, bristles.h_next, 1.0)
-
-
-@unless_none
+@inlined
 def next_step(bristles):
     """A step's end is the beginning of the next one."""
     return Bristles(bristles.h_next, bristles.h_stage, bristles.h_n)
 
 
-@inlined
-def record(trace, row, bristles):
-    """Write the bristles at a step's beginning into a row of their trace, where there is one."""
-    if bristles is not None:
-        h = bristles.h_n
-        for foot in range(2):  # loops: numba takes 20 s to compile an assignment of arrays
-            for i in range(h.shape[2]):
-                trace[row, foot, 0, i], trace[row, foot, 1, i] = h[foot, 0, i], h[foot, 1, i]
+@unless_none
+def record(trace, row, h):
+    """Write bristles into a row of their trace."""
+    for foot in range(2):  # loops: numba takes 20 s to compile an assignment of arrays
+        for i in range(h.shape[2]):
+            trace[row, foot, 0, i], trace[row, foot, 1, i] = h[foot, 0, i], h[foot, 1, i]
+
+
+@unless_none
+def bend(before, world, sole, poses, hip, c, stage):
+    """`update_bristles`, where there are bristles before a stage."""
+    update_bristles(world, sole, poses, hip, c, stage)
 
 
 @inlined_fast

@@ -9,7 +9,7 @@ import numpy as np
 
 from footopt.arrays import Array
 from footopt.compiled import inlined
-from footopt.walk.bristles import beginning, bristles_at_start, record
+from footopt.walk.bristles import Bristles, record, upright
 from footopt.walk.contact import contact
 from footopt.walk.metrics import no_extremes, raw_of, sample_of, sinkage_of, step_error, updated
 from footopt.walk.own_code import compiled_for
@@ -123,12 +123,18 @@ def walk_designs(method, soles, world, course, out, begin, end):
 @inlined
 def _standing(world, sole, poses, count):
     """The walker at rest where the sand carries it; not solved where it does not."""
-    bristles = bristles_at_start(world.bristle_length, sole.plates.shape[1])
-    z = static_height(world, sole, poses, beginning(bristles))
+    length, plates = world.bristle_length, sole.plates.shape[1]
+    h_n, h_stage, h_next = (
+        upright(length, 1.0, plates),
+        upright(length, 0.0, plates),
+        upright(length, 0.0, plates),
+    )
+    bristles = Bristles(h_n, h_stage, h_next)
+    z = static_height(world, sole, poses, h_n)
     hip, none = Motion(0.0, z, 0.0, 0.0), Integrals(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     if not np.isfinite(z):
         return State(hip, no_contact(), none, bristles, False)
-    return State(hip, explicit_contact(world, sole, poses, hip, bristles, 0.0, count), none, bristles, True)
+    return State(hip, explicit_contact(world, sole, poses, hip, h_n, 0.0, count), none, bristles, True)
 
 
 @inlined
@@ -136,7 +142,7 @@ def _trace(out, row, t, state):
     """Write a state into a row of the traces, where there are any."""
     if len(out.trace) > 0:
         write(out.trace[row], sample_of(t, state))
-        record(out.bristles, row, state.bristles)
+        record(out.bristles, row, state.bristles.h_n)
 
 
 def walk_range(stepper: Any, soles: Sole, world: World, *rest: Any) -> None:

@@ -1,13 +1,11 @@
 """One implicit stage of a step, solved for the hip's velocity by Newton's method."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
 
-from footopt.compiled import inlined, unless_none
-from footopt.walk.bristles import turning_speed_of, update_bristles
+from footopt.compiled import inlined
+from footopt.walk.bristles import bend, turning_speed_of
 from footopt.walk.contact import contact
 from footopt.walk.state import NO_FOOT, Contact, Force, Motion, no_contact
 from footopt.walk.turning import begun, ended, half_way, stepped, turning_plate
@@ -45,7 +43,7 @@ def solve_stage(world, sole, poses, start, c, vx, vz, bristles, turning, counts)
         The stage's coefficient times the time step.
     vx, vz : float, m/s
         The guess.
-    bristles : bristles.StageBristles or None
+    bristles : bristles.StageBristles
         Those that the stage bends.
     turning : Turning
         Of the stage before.
@@ -56,7 +54,7 @@ def solve_stage(world, sole, poses, start, c, vx, vz, bristles, turning, counts)
     -------
     Stage
     """
-    inv, h0 = c / world.mass, _h0(bristles)
+    inv, h0 = c / world.mass, bristles.before
     turning_speed = turning_speed_of(world.bristle_length, world, c)
     hip = Motion(start.x + c * vx, start.z + c * vz, vx, vz)
     plate, vx, vz = begun(sole, poses, hip, turning, turning_speed, h0)
@@ -72,7 +70,7 @@ def solve_stage(world, sole, poses, start, c, vx, vz, bristles, turning, counts)
             if converged(world, vx, vz, dvx, dvz, at, turning_speed, plate):
                 vx, vz = vx + dvx, vz + dvz
                 end = Motion(start.x + c * vx, start.z + c * vz, vx, vz)
-                _bend(bristles, world, sole, poses, end, c)
+                bend(h0, world, sole, poses, end, c, bristles)
                 left, right = _extrapolated(at.left, dvx, dvz), _extrapolated(at.right, dvx, dvz)
                 return Stage(end, Contact(left, right, ended(plate, vx, vz)), True)
             vx, vz = stepped(plate, vx, vz, dvx, dvz, h0)
@@ -127,14 +125,14 @@ def converged(world, vx, vz, dvx, dvz, at, turning_speed, plate):
     rounding = 1e-13 * (1.0 + abs(vx) + abs(vz))
     speed = turning_speed
     if force > 0.0:
-        speed = _least_speed(world.bristle_length, turning_speed) + min(
-            _speed(left, force), _speed(right, force)
-        )
+        # at rest a step that is small against the turning speed of bristles would be a drift
+        speed *= 1.0 if world.bristle_length is None else 1e-3
+        speed += min(_speed(left, force), _speed(right, force))
     enough = world.tolerance * speed
     if plate.foot != NO_FOOT:
         enough = min(enough, SMOOTH_STEP * plate.speed)
-    if not world.bypass:
-        enough = _smooth_step(enough, turning_speed, world.effects.gates)
+    if not world.bypass and world.effects.gates is not None:  # a gate opens within the turning speed
+        enough = min(enough, SMOOTH_STEP * turning_speed)
     return size <= rounding or (force > 0.0 and size <= enough + rounding)
 
 
@@ -151,26 +149,6 @@ def _speed(foot, both):
 
 
 @inlined
-def _least_speed(length, turning_speed):
-    """The least speed against which a step of Newton's method is small, m/s: at rest it would be a drift."""
-    if length is None:
-        return turning_speed
-    return 1e-3 * turning_speed
-
-
-@unless_none
-def _bend(bristles, world, sole, poses, hip, c):
-    """Bend the bristles."""
-    update_bristles(world, sole, poses, hip, c, bristles)
-
-
-@unless_none
-def _h0(bristles):
-    """Directions at the stage's beginning."""
-    return bristles.before
-
-
-@inlined
 def _extrapolated(force, dvx, dvz):
     """A foot's force after a small change of the velocity, to first order."""
     return Force(
@@ -182,11 +160,3 @@ def _extrapolated(force, dvx, dvz):
         force.zx,
         force.zz,
     )
-
-
-@inlined
-def _smooth_step(step, turning_speed, gates):
-    """A step of Newton's method on which the law is smooth, m/s: a gate opens within the turning speed."""
-    if gates is None:
-        return step
-    return min(step, SMOOTH_STEP * turning_speed)

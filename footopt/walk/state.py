@@ -137,7 +137,7 @@ class State(NamedTuple):
     hip: Motion
     contact: Contact
     integrals: Integrals
-    bristles: Any  # `bristles.Bristles`, or None without them
+    bristles: Any  # `bristles.Bristles`
     solved: bool  # whether the step to here could be made
 
 

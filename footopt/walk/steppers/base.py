@@ -18,7 +18,7 @@ from typing import Any
 from numba.extending import overload
 
 from footopt.compiled import INLINE, inlined
-from footopt.walk.bristles import next_step, turning_speed_of, update_bristles, whole_step
+from footopt.walk.bristles import StageBristles, bend, next_step, turning_speed_of
 from footopt.walk.contact import contact
 from footopt.walk.state import Integrals, State
 
@@ -69,23 +69,20 @@ def acceleration(world, at):
 
 
 @inlined
-def explicit_contact(world, sole, poses, hip, bristles, time, counts):
+def explicit_contact(world, sole, poses, hip, h0, time, counts):
     """The contact at a motion of the hip, without derivatives.
 
-    time: since the step's beginning, s, for which bristles have followed the plates.
+    h0: bristles at the step's beginning, or None. time: since then, s, for which they have followed the plates.
     """
-    if bristles is None:
-        return contact(world, sole, poses, hip, world.creep, None, None, counts)
     turning_speed = turning_speed_of(world.bristle_length, world, time)
-    return contact(world, sole, poses, hip, turning_speed, None, bristles.h_n, counts)
+    return contact(world, sole, poses, hip, turning_speed, None, h0, counts)
 
 
 @inlined
 def finish_step(world, sole, poses, hip, integrals, bristles, h, counts):
     """The state at the end of an explicit step."""
-    at = explicit_contact(world, sole, poses, hip, bristles, h, counts)
-    if bristles is not None:
-        update_bristles(world, sole, poses, hip, h, whole_step(bristles))
+    at = explicit_contact(world, sole, poses, hip, bristles.h_n, h, counts)
+    bend(bristles.h_n, world, sole, poses, hip, h, StageBristles(bristles.h_n, bristles.h_next, 1.0))
     return State(hip, at, integrals, next_step(bristles), True)
 
 

@@ -9,7 +9,7 @@
 import math
 from typing import NamedTuple
 
-from footopt.walk.bristles import next_step, stage_of, whole_step
+from footopt.walk.bristles import StageBristles, next_step
 from footopt.walk.newton import solve_stage
 from footopt.walk.state import State, moved
 from footopt.walk.steppers.base import STEPPERS, Stepper, acceleration, accumulate
@@ -21,7 +21,8 @@ class ImplicitEuler(NamedTuple):
     def step(self, world, sole, poses, state, h, counts):
         """One implicit stage, the end of the step."""
         start, (ax, az) = state.hip, acceleration(world, state.contact)
-        gx, gz, whole = start.vx + h * ax, start.vz + h * az, whole_step(state.bristles)
+        gx, gz = start.vx + h * ax, start.vz + h * az
+        whole = StageBristles(state.bristles.h_n, state.bristles.h_next, 1.0)
         end = solve_stage(world, sole, poses[0], start, h, gx, gz, whole, state.contact.turning, counts)
         sums = accumulate(state.integrals, h, end.hip, end.contact)
         return State(end.hip, end.contact, sums, next_step(state.bristles), end.solved)
@@ -39,7 +40,12 @@ class SDIRK2(NamedTuple):
         ax, az = acceleration(world, at)
         gx, gz = start.vx + c * ax, start.vz + c * az
         for i in range(2):  # one copy of the stage: what is written twice is compiled twice
-            bristles = stage_of(state.bristles, i, r / c)
+            if (
+                i == 0
+            ):  # the second stage begins on the first one's slope, r / c of its way from the beginning
+                bristles = StageBristles(state.bristles.h_n, state.bristles.h_stage, r / c)
+            else:
+                bristles = StageBristles(state.bristles.h_stage, state.bristles.h_next, 1.0)
             end = solve_stage(world, sole, poses[i], start, c, gx, gz, bristles, at.turning, counts)
             hip, at, solved = end.hip, end.contact, end.solved
             if not solved:
