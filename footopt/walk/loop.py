@@ -124,12 +124,8 @@ def walk_designs(method, soles, world, course, out, begin, end):
 def _standing(world, sole, poses, count):
     """The walker at rest where the sand carries it; not solved where it does not."""
     length, plates = world.bristle_length, sole.plates.shape[1]
-    h_n, h_stage, h_next = (
-        upright(length, 1.0, plates),
-        upright(length, 0.0, plates),
-        upright(length, 0.0, plates),
-    )
-    bristles = Bristles(h_n, h_stage, h_next)
+    h_n = upright(length, 1.0, plates)
+    bristles = Bristles(h_n, upright(length, 0.0, plates), upright(length, 0.0, plates))
     z = static_height(world, sole, poses, h_n)
     hip, none = Motion(0.0, z, 0.0, 0.0), Integrals(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     if not np.isfinite(z):

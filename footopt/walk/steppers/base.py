@@ -72,7 +72,7 @@ def acceleration(world, at):
 def explicit_contact(world, sole, poses, hip, h0, time, counts):
     """The contact at a motion of the hip, without derivatives.
 
-    h0: bristles at the step's beginning, or None. time: since then, s, for which they have followed the plates.
+    h0: bristles at the step's beginning, or None. time: since then, s, for which they have followed plates.
     """
     turning_speed = turning_speed_of(world.bristle_length, world, time)
     return contact(world, sole, poses, hip, turning_speed, None, h0, counts)
