@@ -244,11 +244,7 @@ class Robot(Simulator):
 
     @quiet()
     def walk(
-        self,
-        feet: Sequence[Foot],
-        accuracy: Accuracy,
-        threads: int | None = None,
-        names: Sequence[str] = (),
+        self, feet: Sequence[Foot], accuracy: Accuracy, threads: int | None = None, names: Sequence[str] = ()
     ) -> Walked:
         """Walk with some feet."""
         workers = min(at_once(threads), len(feet)) if self._told else 1

@@ -164,11 +164,7 @@ class Scene(Simulator):
         return too_many_poses(self.path, accuracy)
 
     def walk(
-        self,
-        feet: Sequence[Foot],
-        accuracy: Accuracy,
-        threads: int | None = None,
-        names: Sequence[str] = (),
+        self, feet: Sequence[Foot], accuracy: Accuracy, threads: int | None = None, names: Sequence[str] = ()
     ) -> Walked:
         """Walk with some feet by the compiled loop, which follows the sinkage where it is asked for."""
         sink, constants = "maximum_sinkage" in names, self.constants(accuracy)

@@ -70,11 +70,7 @@ class Simulator(ABC):
 
     @abstractmethod
     def walk(
-        self,
-        feet: Sequence[Foot],
-        accuracy: Accuracy,
-        threads: int | None = None,
-        names: Sequence[str] = (),
+        self, feet: Sequence[Foot], accuracy: Accuracy, threads: int | None = None, names: Sequence[str] = ()
     ) -> Walked:
         """Walk with some feet.
 
@@ -164,11 +160,7 @@ class FunctionSimulator(Simulator):
         object.__setattr__(self, "title", name.replace("_", " "))
 
     def walk(
-        self,
-        feet: Sequence[Foot],
-        accuracy: Accuracy,
-        threads: int | None = None,
-        names: Sequence[str] = (),
+        self, feet: Sequence[Foot], accuracy: Accuracy, threads: int | None = None, names: Sequence[str] = ()
     ) -> Walked:
         """Call the function for each foot."""
         raw, reasons = np.full((len(feet), len(self.quantities)), np.nan), []

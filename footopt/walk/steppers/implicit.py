@@ -40,9 +40,7 @@ class SDIRK2(NamedTuple):
         ax, az = acceleration(world, at)
         gx, gz = start.vx + c * ax, start.vz + c * az
         for i in range(2):  # one copy of the stage: what is written twice is compiled twice
-            if (
-                i == 0
-            ):  # the second stage begins on the first one's slope, r / c of its way from the beginning
+            if i == 0:  # the second stage begins on the first one's slope, r / c of its way from the start
                 bristles = StageBristles(state.bristles.h_n, state.bristles.h_stage, r / c)
             else:
                 bristles = StageBristles(state.bristles.h_stage, state.bristles.h_next, 1.0)
