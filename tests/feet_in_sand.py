@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 import footopt as fo
 from footopt.effects import laws
 from footopt.foot import Plates
+from footopt.walk.contact import contact
 from footopt.walk.discretize import sole_of
-from footopt.walk.loop import both_feet
 from footopt.walk.own_code import compiled_for
 from footopt.walk.state import COUNTS, Force, Motion
 
@@ -23,6 +23,11 @@ SKY = (0.0, 10.0, 0.0, 0.0, 1.0, 0.0, 0.0)  # pose of a foot far above the sand
 def pose_of(height, pitch, rate):
     """Pose of a foot whose ankle is at a height (m) above the sand when the hip is at 0."""
     return (0.0, height, 0.0, 0.0, math.cos(pitch), math.sin(pitch), rate)
+
+
+def both_feet(world, sole, poses, hip, turning_speed, stage, counts):
+    """`contact` without bristles, to be compiled for Python."""
+    return contact(world, sole, poses, hip, turning_speed, stage, None, counts)
 
 
 def feel(plates, pose, vx, vz, *on, zeta=1.0, creep=1e-2, stage=None, x=0.0, z=0.0):

@@ -76,11 +76,6 @@ class Effect:
         return None
 
     @property
-    def is_identity(self) -> bool:
-        """Whether its parameters are such that it changes nothing: then it is left out."""
-        return False
-
-    @property
     def bristle_length(self) -> float | None:
         """Length over which the sand under a plate gives way elastically, m; None without bristles."""
         return None
@@ -120,7 +115,7 @@ def parameters(effect: Effect) -> dict[str, Any]:
 
 
 def ordered(effects: Sequence[Effect]) -> tuple[Effect, ...]:
-    """The effects that do something, in the order in which they act; those not in `EFFECTS` come last.
+    """Effects in the order in which they act; those not in `EFFECTS` come last.
 
     Raises
     ------
@@ -134,8 +129,7 @@ def ordered(effects: Sequence[Effect]) -> tuple[Effect, ...]:
         if kinds.count(kind) > 1:
             raise SettingError("effects", kind.__name__, "at most one effect of a kind")
     order = list(EFFECTS.values())
-    active = [effect for effect in effects if not effect.is_identity]
-    return tuple(sorted(active, key=lambda e: order.index(type(e)) if type(e) in order else len(order)))
+    return tuple(sorted(effects, key=lambda e: order.index(type(e)) if type(e) in order else len(order)))
 
 
 def bristle_length(effects: Sequence[Effect]) -> float | None:

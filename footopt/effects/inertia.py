@@ -1,7 +1,5 @@
 """The grains' inertia: a face that leads throws sand aside."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -57,11 +55,6 @@ class Inertia(Effect):
     def law(self) -> InertiaLaw:
         """lambda rho."""
         return InertiaLaw(self.factor * self.rho)
-
-    @property
-    def is_identity(self) -> bool:
-        """Whether lambda rho is 0."""
-        return self.factor * self.rho == 0.0
 
 
 EFFECTS["inertia"] = Inertia

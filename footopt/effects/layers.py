@@ -1,7 +1,5 @@
 """Layers of sand: strength that changes with depth."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import dataclass
@@ -66,11 +64,6 @@ class Layers(Effect):
     def law(self) -> LayersLaw:
         """Interfaces and jumps."""
         return LayersLaw(numbers(self.depths), numbers(np.diff((1.0, *self.factors)).tolist()))
-
-    @property
-    def is_identity(self) -> bool:
-        """Whether all layers are the same sand."""
-        return all(f == 1.0 for f in self.factors)
 
     @property
     def strata(self) -> tuple[tuple[float, float, float], ...]:

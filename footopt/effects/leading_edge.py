@@ -1,7 +1,5 @@
 """The leading edge: only faces that lead feel sand."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

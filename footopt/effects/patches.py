@@ -1,7 +1,5 @@
 """Patches of sand: strength that changes along the way."""
 
-from __future__ import annotations
-
 import itertools
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -80,11 +78,6 @@ class Patches(Effect):
         """Begins, ends, factor - 1, blur."""
         extra = numbers([f - 1.0 for f in self.factors])
         return PatchesLaw(numbers(self.begins), numbers(self.ends), extra, float(self.blur))
-
-    @property
-    def is_identity(self) -> bool:
-        """Whether all patches are the same sand."""
-        return all(f == 1.0 for f in self.factors)
 
     @property
     def zones(self) -> tuple[tuple[float, float, float], ...]:

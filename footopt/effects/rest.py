@@ -1,7 +1,5 @@
 """Rest: the sand holds what stands on it, by bristles in place of the creep speed."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from footopt.effects.base import BRISTLE_LENGTH, EFFECTS, Effect

@@ -1,7 +1,5 @@
 """Shadowing: the sand that rests in a groove of the sole moves with the foot."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -39,11 +37,6 @@ class Shadowing(Effect):
 
     def __post_init__(self) -> None:
         check(0 <= self.effective <= 1, "effects.shadowing.effective", self.effective, "a part, from 0 to 1")
-
-    @property
-    def is_identity(self) -> bool:
-        """Whether all of a groove counts."""
-        return self.effective == 1.0
 
     def reshape(self, points: Array) -> Array:
         """Soles (designs, points, 2), m, with what is left of their grooves."""

@@ -1,7 +1,5 @@
 """An inclined plane: gravity tilts in its frame."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 
@@ -34,11 +32,6 @@ class Slope(Effect):
     def __post_init__(self) -> None:
         allowed, hint = "an angle from -25 to 25, in deg", "Dry sand itself slides at about 30 deg."
         check(-25 <= self.angle <= 25, "effects.slope.angle", self.angle, allowed, hint)
-
-    @property
-    def is_identity(self) -> bool:
-        """Whether the plane is level."""
-        return self.angle == 0.0
 
     def gravity(self, g: float) -> tuple[float, float]:
         """-g sin(angle) along the plane, g cos(angle) against its normal."""

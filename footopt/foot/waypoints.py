@@ -4,8 +4,6 @@ Everything here works on a whole population at once, design by design or with el
 so that a sole does not depend, to the last bit, on the batch it is computed in.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import lru_cache
 

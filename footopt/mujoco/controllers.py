@@ -1,7 +1,5 @@
 """What tells a robot's actuators what to do: a gait that servos follow, a table over time, or a function."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from itertools import product

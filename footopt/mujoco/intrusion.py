@@ -10,8 +10,6 @@ direction where the motion is vertical; the vectors have no such place. Its tang
 friction of the surface times the normal part.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

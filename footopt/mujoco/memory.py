@@ -37,20 +37,8 @@ def register() -> tuple[Any, ...]:
     state_size, begin, reset, compute = (ctypes.cast(call, place).value for call in calls)
     name, names = ctypes.create_string_buffer(NAME.encode()), (ctypes.c_char_p * 1)(SIZE.encode())
     # mjpPlugin: name, attributes, capability, functions; those that come after, in any version, are none
-    fields = [
-        ctypes.addressof(name),
-        1,
-        ctypes.addressof(names),
-        SENSOR,
-        state_size,
-        0,
-        begin,
-        0,
-        0,
-        reset,
-        compute,
-    ]
-    lib.mjp_registerPlugin((place * 64)(*fields))
+    head = ctypes.addressof(name), 1, ctypes.addressof(names), SENSOR
+    lib.mjp_registerPlugin((place * 64)(*head, state_size, 0, begin, 0, 0, reset, compute))
     return calls, name, names
 
 

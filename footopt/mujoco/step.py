@@ -196,10 +196,8 @@ def begin(address, meaning):
     late = 0.5 * step.dt * step.rk4  # from MuJoCo's places to the middle
     for b in range(len(space.bodies)):
         body, rows = space.bodies[b], space.jacobian[6 * b : 6 * b + 6]
-        vz, spin = (
-            inner(rows[2], velocity),
-            (inner(rows[3], velocity), inner(rows[4], velocity), inner(rows[5], velocity)),
-        )
+        vz = inner(rows[2], velocity)
+        spin = inner(rows[3], velocity), inner(rows[4], velocity), inner(rows[5], velocity)
         axes, height, frame = space.attitude[body.row], space.places[body.row, 2], space.frame[b]
         for a in range(3):
             axis = axes[a], axes[3 + a], axes[6 + a]
@@ -208,11 +206,8 @@ def begin(address, meaning):
         turned = abs(spin[0]) + abs(spin[1])
         margin, low = 2.0 * step.dt * (abs(vz) + turned * body.reach + 10.0 * step.dt), np.inf
         if height - body.reach < margin:
-            faces, up = (
-                space.faces[0, COLUMNS * body.first : COLUMNS * body.last],
-                (axes[6], axes[7], axes[8]),
-            )
-            faces = faces.reshape(COLUMNS, body.last - body.first)
+            faces = space.faces[0, COLUMNS * body.first : COLUMNS * body.last]
+            faces, up = faces.reshape(COLUMNS, body.last - body.first), (axes[6], axes[7], axes[8])
             for i in range(faces.shape[1]):
                 low = min(low, height + dot(up, (faces[X, i], faces[Y, i], faces[Z, i])))
         body.depth, body.near = max(-low, 0.0), low < margin

@@ -19,7 +19,7 @@ from footopt.walk import discretize
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.discretize import Path
 from footopt.walk.loop import BACKWARD, DIVERGED, OK, SUNK, Course, Output, walk_range
-from footopt.walk.metrics import RAW, TRACE
+from footopt.walk.metrics import COLUMNS, RAW
 from footopt.walk.state import COUNTS, World
 from footopt.walk.steppers import STEPPERS
 
@@ -104,7 +104,7 @@ def _walk_once(
         raw=np.empty((designs, len(RAW))),
         status=np.empty(designs, np.int64),
         counts=np.zeros(designs, COUNTS),
-        trace=np.full((rows, len(TRACE)), np.nan),
+        trace=np.full((rows, COLUMNS), np.nan),
         bristles=None if world.bristle_length is None else _traced(rows, soles.plates.shape[2]),
     )
 

@@ -10,7 +10,6 @@ import numpy as np
 from footopt.arrays import Array
 from footopt.compiled import inlined
 from footopt.walk.bristles import Bristles, record, upright
-from footopt.walk.contact import contact
 from footopt.walk.metrics import no_extremes, raw_of, sample_of, sinkage_of, step_error, updated
 from footopt.walk.own_code import compiled_for
 from footopt.walk.standing import static_height
@@ -56,7 +55,7 @@ class Output(NamedTuple):
     raw: Array  # (designs, len(RAW))
     status: Any  # (designs,)
     counts: Any  # (designs,) of `COUNTS`
-    trace: Array  # (shortest steps + 1, len(TRACE)); without rows, nothing is traced
+    trace: Array  # (shortest steps + 1, `metrics.COLUMNS`); without rows, nothing is traced
     bristles: Any  # (rows, 2 feet, 2, plates), or None
 
 
@@ -144,8 +143,3 @@ def _trace(out, row, t, state):
 def walk_range(stepper: Any, soles: Sole, world: World, *rest: Any) -> None:
     """`walk_designs`, compiled for the stepper and the effects of a scene."""
     compiled_for(walk_designs, world.effects.all, stepper)(stepper, soles, world, *rest)
-
-
-def both_feet(world, sole, poses, hip, turning_speed, stage, counts):
-    """`contact` without bristles, to be compiled for Python."""
-    return contact(world, sole, poses, hip, turning_speed, stage, None, counts)

@@ -24,25 +24,9 @@ class Raw(NamedTuple):
     impulse_z: float
 
 
-class Sample(NamedTuple):
-    """A row of a trace: the walker at the end of a step."""
-
-    t: float  # s
-    x: float  # hip, m
-    z: float
-    vx: float  # m/s
-    vz: float
-    fx_left: float  # N
-    fz_left: float
-    power_left: float  # W
-    work_left: float  # J
-    fx_right: float
-    fz_right: float
-    power_right: float
-    work_right: float
-
-
-RAW, TRACE = Raw._fields, Sample._fields
+RAW = Raw._fields
+#: Columns of a trace: time, place, velocity, forces, powers and works, and where each but the first begins.
+COLUMNS, PARTS = 13, (1, 3, 5, 9, 11)
 
 
 class Four(NamedTuple):
@@ -175,12 +159,10 @@ def sinkage_of(sole, poses, hip):
 
 @inlined
 def sample_of(t, state):
-    """A row of the trace."""
+    """A row of a trace, as in `PARTS`: of the hip at a time t, s, and of the left and the right foot."""
     hip, left, right, sums = state.hip, state.contact.left, state.contact.right, state.integrals
-    return Sample(
-        t, hip.x, hip.z, hip.vx, hip.vz, left.x, left.z, left.power, sums.work_left, right.x, right.z,
-        right.power, sums.work_right,
-    )  # fmt: skip
+    powers_and_works = left.power, right.power, sums.work_left, sums.work_right
+    return (t, hip.x, hip.z, hip.vx, hip.vz, left.x, left.z, right.x, right.z, *powers_and_works)
 
 
 @inlined

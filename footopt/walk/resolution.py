@@ -1,7 +1,5 @@
 """How well a walk is resolved: its error estimate by refinement, and a warning where that is too large."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """The results: `Table`, the objectives of many feet, and `Walk`, one foot with its traces."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext

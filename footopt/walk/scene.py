@@ -20,7 +20,7 @@ from footopt.walk.batch import REASONS, chunks, walk_batch
 from footopt.walk.discretize import Path, too_many_poses, world
 from footopt.walk.ladder import Found, climbed, numbers_at
 from footopt.walk.loop import OK
-from footopt.walk.metrics import RAW, Sample
+from footopt.walk.metrics import PARTS, RAW
 from footopt.walk.results import Walk
 from footopt.walk.simulator import Simulator, Walked
 from footopt.walk.state import COUNTED, World
@@ -42,8 +42,7 @@ class Scene(Simulator):
     t_f : float, s, optional
         End of the walk; by default two strides after the start (2.9 s for the paper's walk).
     effects : tuple of Effect
-        Beyond the plain law (`footopt.effects`); those that change nothing are
-        dropped.
+        Beyond the plain law (`footopt.effects`).
 
     Raises
     ------
@@ -185,19 +184,20 @@ class Scene(Simulator):
         constants = self.constants(accuracy)
         walked = walk_batch(plates, self.path, constants, accuracy, sink=True, threads=1, traced=True)
         rows, h = 1 + np.flatnonzero(np.isfinite(walked.trace[1:]).all(axis=1)), walked.bristles
-        c: Any = Sample(*walked.trace[rows].T)  # columns
+        parts = np.split(walked.trace[rows], PARTS, axis=1)
+        t, com, velocity, force, power, work = map(np.ascontiguousarray, parts)
         return Walk(
             foot=foot,
             scene=self,
             accuracy=accuracy,
-            t=c.t,
-            com=np.column_stack([c.x, c.z]),
-            velocity=np.column_stack([c.vx, c.vz]),
-            force=np.stack([c.fx_left, c.fz_left, c.fx_right, c.fz_right], axis=1).reshape(-1, 2, 2),
-            power=np.column_stack([c.power_left, c.power_right]),
-            work=np.column_stack([c.work_left, c.work_right]),
+            t=t[:, 0],
+            com=com,
+            velocity=velocity,
+            force=force.reshape(-1, 2, 2),
+            power=power,
+            work=work,
             bristles=None if h is None else np.moveaxis(h[rows][..., : plates.x.shape[1]], 2, 3),
-            start=np.array(Sample(*walked.trace[0])[1:3]),
+            start=walked.trace[0, 1:3],
             reason=REASONS[int(walked.status[0])],
             totals=dict(zip(RAW, map(float, walked.raw[0]), strict=True)),
             evaluations=int(walked.counts["evaluations"][0]),

@@ -5,8 +5,6 @@ There w takes the place of the velocity, v = n w / sqrt(1 - |w|^2): many n of ve
 and the gate of an effect, a jump in the velocity, opens over much of the unit disc.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
