@@ -55,7 +55,7 @@ def test_the_smallest_numbers_that_are_allowed_can_be_refined(ramp_foot):
 
 
 def test_a_walk_too_long_to_be_refined_has_no_error_estimate(ramp_foot, monkeypatch):
-    rows = discretize.pose_rows(fo.Scene(), numerics(PRESETS["draft"], fo.Scene(), ramp_foot))
+    rows = discretize.pose_rows(fo.Scene().path, numerics(PRESETS["draft"], fo.Scene(), ramp_foot))
     monkeypatch.setattr(discretize, "ROWS", 1.5 * rows)
     assert fo.simulate(ramp_foot, accuracy="draft").feasible
     assert all(map(math.isnan, fo.estimate_error(ramp_foot, accuracy="draft").values()))
