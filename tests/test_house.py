@@ -12,8 +12,8 @@ from footopt.effects import EFFECTS
 
 ROOT = Path(footopt.__file__).parent
 #: The rooms from the ground up: a file imports from its own room and from those before it.
-ROOMS = ("arrays", "errors", "compiled", "sand", "effects", "foot", "gait", "walk", "mujoco", "design", "files",
-         "report", "studies", "cli")  # fmt: skip
+ROOMS = ("arrays", "errors", "compiled", "sand", "effects", "foot", "gait", "walk", "mujoco", "design",
+         "files", "report", "studies", "cli")  # fmt: skip
 #: Libraries that one room only may import.
 SEAMS = {
     "pymoo": "design",
