@@ -10,8 +10,10 @@ from hypothesis import strategies as st
 
 import footopt as fo
 from footopt.foot import Soles
+from footopt.walk import discretize
 from footopt.walk.accuracy import PRESETS, TOLERANCES
 from footopt.walk.ladder import SHARE, Rung, changes_of, climb, ladder, numbers_at, numerics, worst
+from footopt.walk.ladder import _top as finest
 
 PAPER = fo.Waypoints()
 TOP = Rung(12, 13, 11)
@@ -155,6 +157,13 @@ class TestNumbers:
         assert numerics(of, regular, feet) == numerics(of, regular, feet * 2)
         for foot, row in zip(feet, fo.evaluate(feet, regular).values, strict=True):
             np.testing.assert_allclose(row, fo.evaluate(foot, regular).values[0], rtol=2 * of.error)
+
+    @pytest.mark.parametrize("time", [6, 9])
+    def test_of_long_walks_are_at_most_as_fine_as_their_poses_fit(self, time, monkeypatch):
+        of, scene = PRESETS["fine"], fo.Scene()
+        rows = discretize.pose_rows(scene, numbers_at(of, scene, Rung(time)))
+        monkeypatch.setattr(discretize, "ROWS", rows)
+        assert finest(of, scene).time == time
 
     @pytest.mark.parametrize("stepper", ["heun", "implicit_euler"])
     def test_are_found_for_any_stepper(self, stepper, regular):
