@@ -88,6 +88,12 @@ class TestTheClimb:
         assert short.price <= 60.0 * short.work
         assert short.error > 0.005
 
+    def test_ends_where_it_costs_too_much_on_the_rung_of_the_smallest_error(self):
+        found = climb(Halving([0.008, 0.0, 0.0]), TOP, 0.005, most=110.0)
+        assert found.path == (Rung(0), Rung(1))
+        assert found.rung == Rung(1)
+        assert found.error > SHARE * 0.005
+
     def test_of_probes_that_all_fail_the_error_is_not_known(self):
         found = climb(lambda rung: (np.full((10, 5), np.nan), 1.0), TOP, 0.005)
         assert math.isnan(found.error)
