@@ -1,12 +1,11 @@
 """The look of every figure: colours by role, fonts, widths, and how a figure is made and saved.
 
-No pyplot and so no global figure state: figures can be drawn from any thread. Widths are a journal's column
+No pyplot and so no global figure state. Widths are a journal's column
 and page; colours of roles are told apart by the colour-blind, and line styles differ, too.
 """
 
 import io
 import textwrap
-import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from importlib.resources import files as resources
@@ -62,16 +61,11 @@ PALETTE = {
 
 STYLE = rc_params_from_file(str(resources("footopt.report") / "footopt.mplstyle"), use_default_template=False)
 
-_lock = threading.RLock()
-
 
 @contextmanager
 def styled() -> Iterator[None]:
-    """Run a function, as its decorator, or a block under the shared style.
-
-    `matplotlib.rc_context` changes settings of the whole process, so threads take turns.
-    """
-    with _lock, matplotlib.rc_context(STYLE):
+    """Run a function, as its decorator, or a block under the shared style."""
+    with matplotlib.rc_context(STYLE):
         yield
 
 

@@ -41,8 +41,7 @@ def console() -> Console:
     It has colours only on a terminal, and not with NO_COLOR or TERM=dumb. Brackets are no markup, because
     a user's names and folders may hold them.
     """
-    out = _Output(highlight=False, markup=False)
-    return out if out.is_terminal else _Output(highlight=False, soft_wrap=True, markup=False)
+    return _Output(highlight=False, markup=False, soft_wrap=not sys.stdout.isatty())
 
 
 class _Output(Console):
@@ -131,12 +130,9 @@ def headline(by: str, value: float, flat: float, under: Mapping[str, Sequence[fl
 def describe_errors(errors: Mapping[str, float], values: Mapping[str, float]) -> str:
     """The largest error of the numbers; that of the law is the range under other laws."""
     shares = [abs(error / values[name]) for name, error in errors.items() if values[name]]
-    exact = max(shares) if shares and all(map(math.isfinite, shares)) else math.nan
-    return (
-        f"Numbers: exact to {percent(exact)}."
-        if math.isfinite(exact)
-        else "No estimate of the numbers' errors."
-    )
+    if not all(map(math.isfinite, shares)):
+        return "No estimate of the numbers' errors."
+    return f"Numbers: exact to {percent(max(shares, default=math.nan))}."
 
 
 def describe_foot(foot: Foot) -> str:
