@@ -78,7 +78,7 @@ function explorer(choose, beside, glimpse) {
       el("figure", {},
         el("div", { class: "bar" }, el("label", {}, "across", across), el("label", {}, "up", up)), flat)),
     el("p", { class: "note" }, "Drag along an axis, or across the scatter, to set limits: both then show what is within them. ",
-      "Click a line or a point to choose that design. Better is up on every axis of an objective.",
+      "Click a line or a point to choose that design. Better is up on every axis of an objective.", entry.search_accuracy ? ` Values are those of the search, at accuracy ${entry.search_accuracy.name}.` : "",
       numbers ? " A design's number is its row in designs.csv, from 0." : "",
       COUNT > MOST ? ` Of more than ${MOST} lines an even selection is drawn.` : "",
       front.size && entry.front_size > front.size ? ` Of the ${entry.front_size} designs on the front ${front.size} are here.` : ""),
