@@ -166,10 +166,9 @@ class TestNumbers:
 
     @pytest.mark.parametrize("time", [6, 9])
     def test_of_long_walks_are_at_most_as_fine_as_their_poses_fit(self, time, monkeypatch):
-        of, scene = PRESETS["fine"], fo.Scene()
-        rows = discretize.pose_rows(scene, numbers_at(of, scene, Rung(time)))
-        monkeypatch.setattr(discretize, "ROWS", rows)
-        assert finest(of, scene).time == time
+        of, path = PRESETS["fine"], fo.Scene().path
+        monkeypatch.setattr(discretize, "ROWS", discretize.pose_rows(path, numbers_at(of, path, Rung(time))))
+        assert finest(of, path).time == time
 
     @pytest.mark.parametrize("stepper", ["heun", "implicit_euler"])
     def test_are_found_for_any_stepper(self, stepper, regular):
