@@ -56,18 +56,14 @@ def translate(error: BaseException, overrides: Sequence[str]) -> FootoptError | 
         choice = given.get(group, "")
     if text.startswith("Ambiguous value for argument"):  # footopt sand.zeta=1,2
         name, _, value = text.split("'")[1].partition("=")
-        measures = name == "objective" and all(f"constraint.{one}" in names for one in value.split(","))
-        each = ",".join(f"[{one}]" for one in value.split(",")) if measures else value
-        hint = f"For a run of each: footopt -m '{name}={each}'"
-        if measures or name == "effects" or name not in groups():
+        hint = f"For a run of each: footopt -m '{name}={value}'"
+        if name in ("effects", "objective") or name not in groups():
             hint = f"For a list: '{name}=[{value}]'. {hint}"
         return SettingError(name, value, "one value", hint)
     if group:  # footopt sand=mud
         own = next((name for name in names if name.startswith(f"{group}.") and name != f"{group}.name"), "")
         is_number = own and choice.lstrip("-")[:1].isdigit()
         hint = f"A number needs its name, such as {own}={choice}." if is_number else ""
-        if f"constraint.{choice}" in names:
-            hint = f"For a measure give a list: 'objective=[{choice}]'."
         return SettingError(group, choice, f"one of {', '.join(groups().get(group, []))}", hint)
     # footopt snad=soft; footopt study=doctor sand=soft; footopt effects.slope.angle=4, without effects=slope
     if isinstance(cause, (ConfigAttributeError, ConfigKeyError)) and key:

@@ -25,7 +25,7 @@ from footopt.studies.settings import (
     settings_class,
     shown,
 )
-from footopt.walk import PRESETS
+from footopt.walk import MEASURES, PRESETS
 from footopt.walk.accuracy import FINER
 
 __all__ = ["STUDIES", "StudySettings"]
@@ -239,7 +239,8 @@ def choices() -> dict[str, dict[str, Any]]:
         "foot": {name: {"shape": name} for name in SHAPES},
         "effects": {name: {name: asdict(settings_class(kind)())} for name, kind in EFFECTS.items()},
         "accuracy": {name: {"name": name} for name in (*PRESETS, "custom")} | {"coarse": {"tolerance": 0.05}},
-        "objective": {name: {"names": list(names)} for name, names in SETS.items()},
+        "objective": {name: {"names": [name]} for name in MEASURES}
+        | {name: {"names": list(names)} for name, names in SETS.items()},
         "choose": {name: {"name": name} for name in FRONT_RULES},
         "solver": {n: bringing("solver", {"name": n}, several.get(n, {})) for n in (AUTO, *SOLVERS)},
         "simulator": {n: bringing("simulator", {"name": n}, robot) | price for n in ("biped", "robot")}
