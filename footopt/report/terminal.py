@@ -78,13 +78,14 @@ def objective_table(
     flat: Mapping[str, float] | None = None,
     errors: Mapping[str, float] | None = None,
     under: Mapping[str, Sequence[float]] | None = None,
+    told: str = "",
 ) -> RichTable:
     """Objectives (rows) of a foot beside the flat one, what made most of its gain in J_W first.
 
-    `errors` are those of the numbers, `under` the relative changes from the flat foot under other sand laws.
+    Without the one that is `told` elsewhere. `errors` are those of the numbers, `under` the relative changes from the flat foot under other sand laws.
     """
     parts = gain_shares({**values}, {**flat}) if flat else {}
-    names = sorted(values, key=lambda name: -abs(parts.get(name, 0.0)))
+    names = sorted((name for name in values if name != told), key=lambda name: -abs(parts.get(name, 0.0)))
     columns: dict[str, list[str]] = {
         "objective": [name.replace("_", " ") for name in names],
         "unit": [MEASURES[name].unit for name in names],

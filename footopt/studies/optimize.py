@@ -92,12 +92,11 @@ def run(study: Study) -> Any:
     which = f"Of the front {FRONT_RULES[problem.choice.by]}" if several else "Best foot"
     sought = "efficiency" if by_j or several else by
     ranges = {} if under is None else under.range_of(0)
-    others = {name: value for name, value in values.items() if name != sought}  # which the headline tells
     rank = laws.describe_rank(problem, under, record["better_than_flat_zeta"]) if under is not None else ""
     study.say(f"{which} for {terminal.describe_scene(scene)}: {terminal.describe_foot(best)}")
     study.say(
         terminal.headline(sought, values[sought], base[sought], ranges),
-        terminal.objective_table("best", others, base, under=ranges),
+        terminal.objective_table("best", values, base, under=ranges, told=sought),
         rank + terminal.describe_errors(errors, values),
         _sentence(result, confirmed, certificate),
         *([] if under is None or printed is None else laws.describe_printed(problem, under, printed)),

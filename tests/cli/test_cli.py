@@ -72,6 +72,14 @@ class TestOptimize:
         assert {path.suffix for path in folder.glob("to_print.*")} >= {".csv", ".dxf", ".svg", ".stl"}
 
 
+def test_any_measure_is_an_objective_and_is_told_once(tmp_path):
+    done = footopt(*QUICK, "objective=work", "report=none", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert [line.split()[-4:] for line in done.stdout.splitlines() if line.startswith("work ")] == [
+        ["against", "a", "flat", "foot."]
+    ]
+
+
 @pytest.mark.slow
 def test_the_foot_of_a_run_walks_in_its_world_but_for_what_is_given(tmp_path):
     world = ("walker.mass=40", "gait.period=1.3", "accuracy=draft", "sand=regular", "foot.width=0.08")
