@@ -82,7 +82,8 @@ def objective_table(
 ) -> RichTable:
     """Objectives (rows) of a foot beside the flat one, what made most of its gain in J_W first.
 
-    Without the one that is `told` elsewhere. `errors` are those of the numbers, `under` the relative changes from the flat foot under other sand laws.
+    `errors` are those of the numbers, `under` the relative changes from the flat foot under other sand laws;
+    the objective `told` is left out.
     """
     parts = gain_shares({**values}, {**flat}) if flat else {}
     names = sorted((name for name in values if name != told), key=lambda name: -abs(parts.get(name, 0.0)))
