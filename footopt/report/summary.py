@@ -228,7 +228,9 @@ def runs_content(
                 "settings": overrides[i],
                 "note": run.note,
                 "design": done.index(i) if i in done else None,
-                "link": _link(run.folder / "report.html", folder),
+                "link": quote(Path(os.path.relpath(run.folder, folder), "report.html").as_posix())
+                if (run.folder / "report.html").is_file()
+                else None,
             }
             for i, (name, run) in enumerate(zip(names, runs, strict=True))
         ],
@@ -261,8 +263,3 @@ def _traces(path: Path) -> dict[str, Any]:
     both = {name: v[name].sum(axis=1) for name in ("power", "work")}
     kept = {"t": v["t"], "height": v["com"][:, 1], "speed": v["velocity"][:, 0], **both}
     return {name: packed(values) for name, values in kept.items()}
-
-
-def _link(path: Path, folder: Path) -> str | None:
-    """The address of a file, from a page in a folder; None if there is no such file."""
-    return quote(Path(os.path.relpath(path, folder)).as_posix()) if path.is_file() else None

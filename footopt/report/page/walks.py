@@ -141,6 +141,8 @@ def _common(
 ) -> dict[str, Any]:
     """The columns of values, the scene's gait, the constants of walks, and the run's own entry."""
     world, spread = walk.world, entry.get("settings", {}).get("sand", {}).get("spread", 0.0)
+    t = np.linspace(0.0, world.duration, int(np.ceil(world.duration / POSE_STEP)) + 1)
+    angles = np.stack([angle for angle, _ in world.gait.angles(t)], axis=-1)
     return {
         "columns": [column(name, MEASURES[name].unit, MEASURES[name].maximise) for name in names],
         "entry": {name: value for name, value in entry.items() if name not in ON_THE_PAGE},
@@ -151,19 +153,13 @@ def _common(
         else {"refusal": OUTSIDE},
         "gait": {
             "end": world.duration,
-            "angles": packed(_angles(world)),
+            "angles": packed(angles),  # thigh, shank and pitch of both legs, for soles that have not walked
             "strikes": world.strikes,
             "step": step_on_patch(walk),  # that is shown close
             "l1": world.walker.l1,
             "l2": world.walker.l2,
         },
     }
-
-
-def _angles(scene: Scene) -> Array:
-    """Thigh, shank and pitch of both legs over a walk, which poses soles that have not walked."""
-    t = np.linspace(0.0, scene.duration, int(np.ceil(scene.duration / POSE_STEP)) + 1)
-    return np.stack([angle for angle, _ in scene.gait.angles(t)], axis=-1)
 
 
 def _traces(walk: Walk, label: str, design: int | None = None) -> dict[str, Any]:
