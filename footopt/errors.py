@@ -89,11 +89,9 @@ def check_whole(value: Any, setting: str, least: int, most: int, hint: str = "")
     check(good, setting, value, f"a whole number from {least} to {most:,}", hint)
 
 
-def check_kind(value: object, kind: type | tuple[type, ...], setting: str, hint: str) -> None:
+def check_kind(value: object, kind: type, setting: str, hint: str) -> None:
     """Raise `SettingError` unless `value` is a `kind`: what is only used later would fail far from here."""
-    kinds = kind if isinstance(kind, tuple) else (kind,)
-    allowed = f"of type {' or '.join(one.__name__ for one in kinds)}"
-    check(isinstance(value, kinds), setting, value, allowed, hint)
+    check(isinstance(value, kind), setting, value, f"of type {kind.__name__}", hint)
 
 
 def named(path: str | Path, setting: str) -> str:

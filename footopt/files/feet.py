@@ -10,14 +10,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from footopt.arrays import Array
 from footopt.errors import MissingError, check, needed
 from footopt.files.io import write_bytes, write_csv, write_text, write_whole
 from footopt.files.outline import MM, body_outline
 from footopt.foot import Foot
-
-Array = NDArray[np.float64]
 
 SOLE, OUTLINE = "SOLE", "OUTLINE"  # layers of the DXF file, groups of the SVG file
 FORMATS = ("csv", "dxf", "svg", "stl", "step")

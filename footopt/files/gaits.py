@@ -9,15 +9,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from footopt.arrays import Array
 from footopt.errors import Unusable, check, check_whole, naming
 from footopt.files import io
 from footopt.files.strides import Strides, cut
 from footopt.gait import Fourier, Gait
 from footopt.gait.gait import HARMONICS, JOINTS
-
-Array = NDArray[np.float64]
 
 #: Columns by part, in small letters without punctuation; the side may stand before or after.
 COLUMNS = {

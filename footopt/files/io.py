@@ -15,11 +15,10 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from footopt.arrays import Array
 from footopt.errors import FileError, SettingError, Unusable, check, named, naming
 
-Array = NDArray[np.float64]
 Variable = tuple[tuple[str, ...], str, Array]  # dimensions, unit, values
 
 Table = dict[str, list[str]]  # cells of a table by its columns

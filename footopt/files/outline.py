@@ -3,12 +3,10 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from footopt.arrays import Array
 from footopt.errors import check
 from footopt.foot import Foot
-
-Array = NDArray[np.float64]
 
 MM = 1e3  # millimetres in a metre
 SAME_POINT = 1e-9  # m; points nearer than this are one: twins upset a CAD program

@@ -4,13 +4,11 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from footopt.arrays import Array
 from footopt.errors import Unusable
 from footopt.gait import Fourier
 from footopt.gait.gait import HARMONICS
-
-Array = NDArray[np.float64]
 
 PERIOD_RANGE = (0.2, 5.0)  # of a stride, s: a sprinter's is 0.45; anything else is a mistake in the units
 MIN_AUTOCORRELATION = 0.8  # least autocorrelation that is a period

@@ -9,8 +9,8 @@ from dataclasses import asdict, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from footopt.arrays import Array, Ints
 from footopt.errors import check
 from footopt.foot import Waypoints
 from footopt.report.figures.studies import work_precision
@@ -23,8 +23,6 @@ from footopt.walk.accuracy import PRESETS, TOLERANCES, work
 from footopt.walk.ladder import ladder, numbers_at, numerics
 from footopt.walk.objectives import relative_change
 from footopt.walk.steppers import STEPPERS
-
-Array = NDArray[np.float64]
 
 QUANTILE = 95.0  # of the feet: the error that this share of them does not exceed, %
 MEASURED = (*FIVE, "efficiency")
@@ -95,7 +93,7 @@ def run(study: Study) -> None:
 
 
 def measure(
-    method: str, accuracy: Accuracy, feet: NDArray[np.int64], scene: Scene, space: Waypoints, truth: Array
+    method: str, accuracy: Accuracy, feet: Ints, scene: Scene, space: Waypoints, truth: Array
 ) -> Measurement:
     """Error and cost of one setting; `truth` (feet, `MEASURED`) are the values of the converged walks."""
     taken = []

@@ -13,11 +13,11 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from omegaconf import OmegaConf
 from rich.table import Table
 from rich.text import Text
 
+from footopt.arrays import Array, Words
 from footopt.errors import SettingError, Unusable, naming
 from footopt.files.io import read_columns, write_text
 from footopt.report import terminal
@@ -26,8 +26,6 @@ from footopt.report.numbers import number
 from footopt.sand import GENERIC, MEDIA, Sand, StressMap, alpha
 from footopt.studies.build import make_sand
 from footopt.studies.runs import Study
-
-Array = NDArray[np.float64]
 
 SETTING = "study.tests"
 COLUMNS = {"depth_mm": "", "force_N": "", "area_cm2": ""}
@@ -62,7 +60,7 @@ class Calibration(NamedTuple):
     parts: dict[str, Estimate]  # zeta of each part of the tests over that of all
     depth: Array  # (rows,), m
     local: Array  # (rows,), force over P z
-    set_up: NDArray[np.str_]  # (rows,), the plate and its direction
+    set_up: Words  # (rows,), the plate and its direction
 
     @property
     def warnings(self) -> list[str]:

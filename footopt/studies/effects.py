@@ -8,9 +8,10 @@ from dataclasses import asdict, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from rich.table import Table
 
+from footopt.arrays import Array
 from footopt.design.laws import drafted
 from footopt.effects import EFFECTS, Effect, name_of
 from footopt.effects.base import parameters
@@ -26,8 +27,6 @@ from footopt.walk import FIVE, Scene, Simulator, evaluate
 from footopt.walk.accuracy import TOLERANCES, AnyAccuracy
 from footopt.walk.ladder import numerics
 from footopt.walk.objectives import relative_change
-
-Array = NDArray[np.float64]
 
 #: Seconds of this thread alone, whatever else the machine does. Windows counts those by 1/64: too coarse.
 own_time = time.perf_counter if os.name == "nt" else time.thread_time

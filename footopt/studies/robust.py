@@ -10,9 +10,9 @@ from dataclasses import asdict, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.table import Table as RichTable
 
+from footopt.arrays import Array, Ints, Words
 from footopt.design import FootProblem, SearchResult, Solver, confirm, search
 from footopt.design.robust import RobustProblem, regret
 from footopt.design.scenarios import Scenario, Spread, draw, plausible_laws, sands
@@ -31,8 +31,7 @@ from footopt.studies.validation.model import model_error
 from footopt.walk import MEASURES, Simulator, simulate
 from footopt.walk.ladder import numerics
 
-Array = NDArray[np.float64]
-Heights = dict[str, NDArray[np.int64]]  # of soles, by the feet's names
+Heights = dict[str, Ints]  # of soles, by the feet's names
 
 SOURCES = ("sands", "laws", "drawn")
 SHOWN = 6  # scenarios that have a column in the table
@@ -44,7 +43,7 @@ class Comparison(NamedTuple):
 
     names: tuple[str, ...]  # of the feet: the scenarios' specialists, the robust foot
     values: Array  # (scenarios, feet, record), natural signs
-    reasons: NDArray[np.str_]  # (scenarios, feet), of failed walks
+    reasons: Words  # (scenarios, feet), of failed walks
     references: Array  # (scenarios,), the ranking objective of the specialist that is best in each
     regrets: Array  # (feet, scenarios), against these
 

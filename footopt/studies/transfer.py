@@ -5,9 +5,9 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.table import Table
 
+from footopt.arrays import Ints
 from footopt.design import FootProblem, Solver, confirm
 from footopt.design.robust import regret
 from footopt.errors import SettingError, check, check_whole
@@ -22,8 +22,6 @@ from footopt.studies.runs import Study
 from footopt.walk import FIVE, MEASURES, Scene, Simulator, evaluate
 from footopt.walk.accuracy import AnyAccuracy, confirming, resolve
 from footopt.walk.ladder import numerics
-
-Array = NDArray[np.float64]
 
 ENOUGH = 0.1  # of the objective: a smaller loss on the robot leaves the walker's foot as good as its own
 FLAT, WALKER, ROBOT = "flat", "walker", "robot"
@@ -127,7 +125,7 @@ def _designed(study: Study, side: Side, objective: str, solver: Solver, executor
 
 
 def _compared(
-    sand: Sand, sides: tuple[Side, Side], feet: dict[str, Foot], objective: str, k: NDArray[np.int64],
+    sand: Sand, sides: tuple[Side, Side], feet: dict[str, Foot], objective: str, k: Ints,
     space: Waypoints, threads: int | None,
 ) -> Comparison:  # fmt: skip
     """All feet on both sides, and the order of random soles `k` by both."""

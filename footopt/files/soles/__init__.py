@@ -13,11 +13,12 @@ from typing import Any
 
 import numpy as np
 
+from footopt.arrays import Array
 from footopt.errors import FileError, Unusable, check, naming
 from footopt.files.feet import SOLE
 from footopt.files.outline import MM
 from footopt.files.soles import dxf, svg, table
-from footopt.files.soles.lines import JOIN_DISTANCE, UNITS, Array, Line, crossing, join
+from footopt.files.soles.lines import JOIN_DISTANCE, UNITS, Line, crossing, join
 from footopt.foot import Foot
 
 READERS = {".dxf": dxf.read, ".svg": svg.read, ".csv": table.read}

@@ -9,9 +9,10 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from footopt.arrays import Array
 from footopt.errors import Unusable
 from footopt.files.io import read_text
-from footopt.files.soles.lines import CHORD_TOLERANCE, UNITS, Array, Line, unit_of
+from footopt.files.soles.lines import CHORD_TOLERANCE, UNITS, Line, unit_of
 
 
 def read(path: Path, units: str | None, scale: float) -> Iterator[Line]:

@@ -11,15 +11,14 @@ from importlib.resources import files
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from footopt.arrays import Array
 from footopt.foot import SHAPES, Foot
 from footopt.gait.gait import RIGHT
 from footopt.studies.paper.walks import SANDS, switch_losses
 from footopt.walk import Walk
 from footopt.walk.phases import LEAST_FORCE, stance
 
-Array = NDArray[np.float64]
 Numbers = Mapping[str, Any]  # of a walk, by name; NaN where it failed
 Walks = Mapping[str, Numbers]  # of the walks of `evidence`, by their names
 

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 import yaml
-from numpy.typing import NDArray
 
+from footopt.arrays import Array
 from footopt.design import FootProblem, Solver, search
 from footopt.design.store import context, digest, plain
 from footopt.effects import EFFECTS
@@ -104,7 +104,7 @@ def single_stance_power(walk: Walk) -> float:
     return float(np.abs(walk.power[after])[alone].max()) if alone.any() else nan
 
 
-def switch_losses(walk: Walk, speed_loss: str) -> NDArray[np.float64]:
+def switch_losses(walk: Walk, speed_loss: str) -> Array:
     """The fall of V_x about each of the paper's three switches, (3,), m/s; NaN where there is none."""
     return np.array([*_falls(walk, speed_loss), *[nan] * SWITCHES])[:SWITCHES]
 

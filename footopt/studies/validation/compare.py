@@ -12,14 +12,12 @@ from importlib.resources import files
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from footopt.arrays import Array, Bools
 from footopt.effects import EFFECTS
 from footopt.sand import Sand
 from footopt.studies.validation import rig
 from footopt.walk import Scene
-
-Array = NDArray[np.float64]
 
 COVERAGE = 2.0  # of u: an error beyond it is the model's
 COARSE = 0.5  # of the data's scale: where COVERAGE u is more, agreement says nothing
@@ -50,7 +48,7 @@ class Comparison:
     inputs: Array  # (M,), u_input
     experimental: Array  # (M,), u_exp
     scale: float  # to which errors are related: the rms of D, or the file's own
-    inside: NDArray[np.bool_] | bool = True  # (M,), points within the range that the law was made for
+    inside: Bools | bool = True  # (M,), points within the range that the law was made for
     apart: str = ""  # why there is no verdict
 
     @property

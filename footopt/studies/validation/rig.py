@@ -10,8 +10,9 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from footopt.arrays import Array
 from footopt.effects import reshaping
 from footopt.effects.base import parameters
 from footopt.foot import Foot
@@ -21,7 +22,6 @@ from footopt.sand import Sand
 from footopt.walk import Accuracy, Scene, Walk, simulate
 from footopt.walk.plates import plate_states
 
-Array = NDArray[np.float64]
 Values = Mapping[str, Any]
 #: Force on a body, (M, 2), N, by the heights of its origin (M,), m, the velocity of the origin (M, 2), m/s,
 #: the counter-clockwise rate (M,), rad/s, and its pitch (M,), rad; the last three may be the same for all.
