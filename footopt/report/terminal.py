@@ -186,7 +186,8 @@ def describe_setup(scene: Simulator, foot: Foot | Waypoints) -> str:
     if isinstance(foot, Waypoints):
         what, length, height = "Soles in a box of", 2.0 * foot.L, foot.H
     else:
-        what, (length, height) = f"Sole ({title(foot.name)}) of", np.ptp(foot.contour, axis=0)
+        name = "" if foot.name.startswith("k=") else f"({title(foot.name)}) "  # k is told with the result
+        what, (length, height) = f"Sole {name}of", np.ptp(foot.contour, axis=0)
     size = " x ".join(f"{round(1e3 * value, 6):.4g}" for value in (length, height, foot.width))
     return f"{scene.about}\n{what} {size} mm (length, height, width) on {describe_scene(scene)}"
 

@@ -18,7 +18,7 @@ function headline() {
 function change(value, base, column) {
   const ratio = value / base;
   if (!Number.isFinite(ratio) || Math.abs(base) < ROUNDING) return "–";
-  if (column.name === "efficiency") return quantity(ratio, OF_FLAT);
+  if (column.name === "efficiency") return `x ${ratio.toFixed(2)}`;
   if (Math.abs(ratio) >= 10) return `x ${number(+ratio.toPrecision(2))}`;
   return `${ratio >= 1 ? "+" : "−"}${Math.abs(100 * (ratio - 1)).toFixed(1)} %`;
 }
@@ -98,6 +98,13 @@ function valueTable(i, flat = entry.flat) {
     }));
 }
 
+/** The changes of a design against the flat foot, a row for each other law of sand. */
+function lawTable(i) {
+  const shares = data.columns.map(({ name }) => new Map(underLaws(i, name).map(({ law, share }) => [law, share])));
+  return table(["change under", ...data.columns.map(({ title }) => title)],
+    [...shares[0].keys()].map((law) => [law, ...data.columns.map((column, c) => change(1 + (shares[c].get(law) ?? NaN), 1, column))]));
+}
+
 /** The answer: the chosen sole beside the flat one, what it changes, its step, its files. */
 function designSection() {
   const drawing = el("div", { class: "plot" }), numbers = el("div", {}), words = el("p", { id: "design-words", class: "note" });
@@ -109,7 +116,7 @@ function designSection() {
     click: () => download(`sole-${label(chosen).replace(/[^\w.-]+/g, "-")}.${ending}`, text({ points: sole(chosen), top: own("top", chosen) }), type),
   }, ending.toUpperCase()));
   const back = el("button", { type: "button", id: "back", click: () => choose(data.best) }, `Back to the ${BEST}`);
-  const exact = folded("These numbers as a table", () => valueTable(chosen));
+  const exact = folded("These numbers as a table", () => el("div", {}, valueTable(chosen), data.objectives ? lawTable(chosen) : ""));
   const section = el("section", { id: "design" }, title,
     el("div", { class: "grid wide" },
       el("div", {}, el("figure", {}, drawing), words, step?.figure ?? null),
