@@ -34,6 +34,7 @@ from footopt.sand import stress as stress
 from footopt.studies.runs import Run as Run
 from footopt.studies.runs import load as load
 from footopt.walk import Accuracy as Accuracy
+from footopt.walk import FunctionSimulator as FunctionSimulator
 from footopt.walk import Scene as Scene
 from footopt.walk import Simulator as Simulator
 from footopt.walk import Table as Table

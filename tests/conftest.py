@@ -15,8 +15,8 @@ import footopt as fo
 from footopt.design.solvers import SINGLE, SOLVERS
 from footopt.effects import EFFECTS
 from footopt.files import io
+from footopt.studies.doctor import RAMP
 from footopt.walk.objectives import OBJECTIVES, SLOW
-from footopt.walk.reference import RAMP
 
 # a shell that starts the tests in the background has them ignore Ctrl-C, and what they start inherits that
 signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -101,8 +101,7 @@ class Waypoints:
         """The soles as dense polylines from heel to toe, (designs, (n-1) FINE + 1, 2), m."""
         z = self.heights(k)
         x = -self.L + 2.0 * self.L * (np.arange((self.n - 1) * FINE + 1) / FINE) / (self.n - 1)
-        along = zip(z, _slopes(z), strict=True)
-        return np.array([np.stack([x, fine_heights(*spline)], axis=-1) for spline in along])
+        return np.stack(np.broadcast_arrays(x, fine_heights(z, _slopes(z))), axis=-1)
 
     def points(self, k: ArrayLike, steps: int) -> Array:
         """Points on the spline at equal steps along its arc, (designs, steps + 1, 2), m."""
@@ -111,9 +110,9 @@ class Waypoints:
 
     def box_violation(self, k: ArrayLike) -> Array:
         """How far each spline leaves the box [-H, 0], (designs,), m; 0 inside."""
-        heights = self.heights(k)
-        low, high = extremes(heights, _slopes(heights))
-        return np.asarray(np.maximum(np.maximum(high, -self.H - low), 0.0))
+        z = self.heights(k)
+        fine = fine_heights(z, _slopes(z))
+        return np.asarray(np.maximum(np.maximum(fine.max(axis=1), -self.H - fine.min(axis=1)), 0.0))
 
     def inside(self, k: ArrayLike) -> Bools:
         """Which soles stay in the box, but for `box_tolerance`, (designs,)."""
@@ -200,22 +199,14 @@ def _height(piece, s):
 
 @cached_njit(nogil=True, error_model="numpy")
 def fine_heights(z, slopes):
-    """A spline (n,), m, at `FINE` steps a piece, ((n-1) FINE + 1,), m."""
-    out = np.empty((len(z) - 1) * FINE + 1)
-    for i in range(len(z) - 1):
-        piece = _piece(z, slopes, i)
-        for j in range(FINE + 1):  # a piece's last point is the next one's first
-            out[i * FINE + j] = _height(piece, j / FINE)
-    return out
-
-
-@cached_njit(nogil=True, error_model="numpy")
-def extremes(z, slopes):
-    """Least and largest of `fine_heights` of splines (designs, n), (2, designs), m."""
-    out = np.empty((2, len(z)))
-    for d in range(len(z)):
-        heights = fine_heights(z[d], slopes[d])
-        out[0, d], out[1, d] = heights.min(), heights.max()
+    """Splines (designs, n), m, at `FINE` steps a piece, (designs, (n-1) FINE + 1), m."""
+    designs, n = z.shape
+    out = np.empty((designs, (n - 1) * FINE + 1))
+    for d in range(designs):
+        for i in range(n - 1):
+            piece = _piece(z[d], slopes[d], i)
+            for j in range(FINE + 1):  # a piece's last point is the next one's first
+                out[d, i * FINE + j] = _height(piece, j / FINE)
     return out
 
 

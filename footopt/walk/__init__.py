@@ -6,13 +6,13 @@ from footopt.walk.resolution import estimate_error
 from footopt.walk.results import Table, Walk
 from footopt.walk.scene import Scene
 from footopt.walk.simulate import evaluate, simulate
-from footopt.walk.simulator import Simulator
+from footopt.walk.simulator import FunctionSimulator, Simulator
 from footopt.walk.steppers import STEPPERS
 from footopt.walk.validity import Diagnostic, diagnose
 from footopt.walk.walker import Walker
 
 __all__ = [
-    "FIVE", "MEASURES", "OBJECTIVES", "PRESETS", "STEPPERS", "Accuracy", "Diagnostic", "Scene",
-    "Simulator", "Table", "Tolerance", "Walk", "Walker", "diagnose", "estimate_error", "evaluate",
+    "FIVE", "MEASURES", "OBJECTIVES", "PRESETS", "STEPPERS", "Accuracy", "Diagnostic", "FunctionSimulator",
+    "Scene", "Simulator", "Table", "Tolerance", "Walk", "Walker", "diagnose", "estimate_error", "evaluate",
     "gain_shares", "simulate",
 ]  # fmt: skip

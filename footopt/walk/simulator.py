@@ -128,26 +128,19 @@ class Simulator(ABC):
         """Raise a `SettingError` if its walks cannot be compared: by default they can."""
         return
 
-    @staticmethod
-    def from_function(
-        function: Callable[[Foot], Mapping[str, float] | str], quantities: Sequence[str]
-    ) -> FunctionSimulator:
-        """Make a simulator of a function of a foot.
-
-        Parameters
-        ----------
-        function : callable
-            From a `Foot` to what it measures by name, or to the reason why it does not walk. It has to be in
-            a module for processes to find it. One thread calls it.
-        quantities : sequence of str
-            The names: of objectives, the five of the paper among them or not (`footopt.objective`).
-        """
-        return FunctionSimulator(function, tuple(quantities))
-
 
 @dataclass(frozen=True)
 class FunctionSimulator(Simulator):
-    """A function of a foot as a `Simulator` (`Simulator.from_function`)."""
+    """A function of a foot as a simulator.
+
+    Parameters
+    ----------
+    function : callable
+        From a `Foot` to what it measures by name, or to the reason why it does not walk. It has to be in a
+        module for processes to find it. One thread calls it.
+    quantities : sequence of str
+        The names: of objectives, the five of the paper among them or not (`footopt.walk.objectives`).
+    """
 
     function: Callable[[Foot], Mapping[str, float] | str] = field(compare=False)
     quantities: tuple[str, ...] = ()
@@ -157,6 +150,7 @@ class FunctionSimulator(Simulator):
     def __post_init__(self) -> None:
         check(callable(self.function), "function", self.function, "a function of a Foot")
         name = getattr(self.function, "__qualname__", repr(self.function))
+        object.__setattr__(self, "quantities", tuple(self.quantities))
         object.__setattr__(self, "title", name.replace("_", " "))
 
     def walk(

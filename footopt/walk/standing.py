@@ -4,7 +4,8 @@ import numpy as np
 
 from footopt.compiled import inlined
 from footopt.walk.contact import bristles_between, part_force, submerged
-from footopt.walk.state import Ankle, ankle_of, lowest
+from footopt.walk.metrics import sinkage_of
+from footopt.walk.state import Ankle, Motion, ankle_of
 
 DOWN = 2.0**-30  # m/s: too slow to change a pressure of an effect, and a power of two, which rounds nothing
 SLOW = 1e-9 * DOWN  # m/s: a turning speed that changes no such force; its square is one that `rsqrt` takes
@@ -20,7 +21,7 @@ def static_height(world, sole, poses, h0):
 
     h0: bristles that are bent straight down, or None.
     """
-    weight, low, high = world.mass * world.g, 0.0, _touching_height(sole, poses)
+    weight, low, high = world.mass * world.g, 0.0, sinkage_of(sole, poses, Motion(0.0, 0.0, 0.0, 0.0))
     below, above, side = np.nan, -weight, 0
     z = low
     for _ in range(200):
@@ -41,15 +42,6 @@ def static_height(world, sole, poses, h0):
         if not low < z < high:
             return z
     return low
-
-
-@inlined
-def _touching_height(sole, poses):
-    """Hip height at which the lowest plate touches the surface, m."""
-    height = -np.inf
-    for foot in range(2):
-        height = max(height, -lowest(sole, ankle_of(poses, foot))[1])
-    return height
 
 
 @inlined
