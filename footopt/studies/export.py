@@ -31,9 +31,9 @@ def run(study: Study) -> None:
     foot, block = foot_of(Path(folder), config.foot.k, study.options.foot), config.foot.block
     written, notes = write_all(foot, study.folder, block)
     outline, width = MM * body_outline(foot, block), MM * foot.width
-    area = float(Polygon(outline).area)
-    caption = "The outline of every file, with its sole (blue) and ankle (+), in mm."
-    study.save("drawing", figures.drawing(foot, block), caption)
+    area, size = float(Polygon(outline).area), [*np.ptp(outline, axis=0).tolist(), width]
+    sides = " x ".join(f"{value:.4g}" for value in size)
+    study.save("contour", figures.contour(foot), "The sole of every file, with its ankle (+), in mm.")
     rows = [(path.name, HOLDS[path.suffix], f"{1e-3 * path.stat().st_size:.1f}") for path in written]
     study.conclude(
         "A foot to make",
@@ -43,11 +43,9 @@ def run(study: Study) -> None:
             "design": foot_entry(foot),
             "area_mm2": area,
             "volume_mm3": area * width,
-            "size_mm": [*np.ptp(outline, axis=0).tolist(), width],
+            "size_mm": size,
             "files": {path.name: {"bytes": path.stat().st_size} for path in written},
             "notes": notes,
         },
-        summary=[
-            f"{terminal.describe_foot(foot)}: {area:.0f} mm^2, {width:g} mm wide, {area * width:.0f} mm^3"
-        ],
+        summary=[f"{terminal.describe_foot(foot)}: {sides} mm, {area * width:.0f} mm^3"],
     )

@@ -92,7 +92,6 @@ FIGURES = {
         {n: fo.Foot.shape(n) for n in ("ellipse", "reversed_l")}
     ),
     "soles": lambda walks, table: figures.contours({"its own": walks["hard"].foot, "flat": fo.Foot.flat()}),
-    "drawing": lambda walks, table: figures.drawing(walks["hard"].foot, (0.06, 0.02)),
     "convergence": lambda walks, table: figures.convergence(HISTORY, "efficiency $J_W$"),
     "com": lambda walks, table: figures.com(walks),
     "forces": lambda walks, table: figures.forces(walks),

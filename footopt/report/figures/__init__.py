@@ -3,13 +3,13 @@
 Functions named ``draw_*`` draw on Axes of the caller's.
 """
 
-from footopt.report.figures.foot import contour, contours, drawing
+from footopt.report.figures.foot import contour, contours
 from footopt.report.figures.search import convergence, scatter_matrix
 from footopt.report.figures.step import step
 from footopt.report.figures.traces import com, forces, power_work
 from footopt.report.style import save
 
 __all__ = [
-    "com", "contour", "contours", "convergence", "drawing", "forces", "power_work", "save",
+    "com", "contour", "contours", "convergence", "forces", "power_work", "save",
     "scatter_matrix", "step",
 ]  # fmt: skip

@@ -1,18 +1,16 @@
-"""Figures of soles: in their box with hull and hollow, several in one frame, and bodies to make."""
+"""Figures of soles: in their box with hull and hollow, and several in one frame."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Mapping
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.patches import Polygon, Rectangle
+from matplotlib.patches import Rectangle
 
-from footopt.files.outline import MM, body_outline
+from footopt.files.outline import MM
 from footopt.foot import Foot, lower_hull
 from footopt.report import style
 from footopt.report.style import Axes
 
-ANKLE: dict[str, Any] = {"marker": "+", "ls": "", "color": "black", "ms": 6, "mew": 1, "zorder": 5}
 HOLLOW = 0.05  # mm; a smaller one is called none
 
 
@@ -38,28 +36,6 @@ def contours(feet: Mapping[str, Foot]) -> Figure:
     return figure
 
 
-@style.styled()
-def drawing(foot: Foot, block: Sequence[float] | None = None) -> Figure:
-    """The outline that a workshop makes, in mm.
-
-    A mounting block above the foot has a length and a height, m; see `footopt.files.outline.body_outline`.
-    """
-    outline = MM * body_outline(foot, block)
-    length, height = np.ptp(outline, axis=0)
-    figure = style.new_figure(style.PAGE, style.PAGE)
-    axes = figure.subplots()
-    axes.add_patch(Polygon(outline, closed=True, fc=style.PALE, ec="black", lw=0.8))
-    axes.plot(*(MM * foot.contour).T, color=style.BEST, zorder=3)
-    axes.plot(*(MM * np.array(foot.ankle)), **ANKLE)
-    parts = [f"{length:.4g} x {height:.4g} x {MM * foot.width:.4g} mm (length, height, width)"]
-    parts += [] if block is None else [f"block {MM * block[0]:.4g} x {MM * block[1]:.4g} mm"]
-    axes.set_title("; ".join(parts), loc="left")
-    axes.grid()
-    _label_axes(axes)
-    style.fit_height(figure, [axes])
-    return figure
-
-
 def draw_contour(axes: Axes, foot: Foot) -> None:
     """A sole in the foot frame, mm; see `contour`."""
     near = {"textcoords": "offset points", "zorder": 6}
@@ -67,15 +43,13 @@ def draw_contour(axes: Axes, foot: Foot) -> None:
         length, height = MM * foot.space.L, MM * foot.space.H
         axes.add_patch(Rectangle((-length, -height), 2 * length, height, color=style.PALE, lw=0))
         axes.annotate("box", (-length, 0.0), (0, 2), **near, color="0.4")
-    colour = style.look(foot.name.partition(" ")[0], 0)[
-        "color"
-    ]  # that of its walk: "best of memetic" is the best
+    colour = style.look(foot.name.partition(" ")[0], 0)["color"]  # "best of memetic" is the best
     axes.plot(*(MM * foot.contour).T, color=colour, label="_sole", zorder=3)
     if foot.space is not None and foot.k is not None:
         points = foot.space.x, foot.space.heights(foot.k)[0]
         axes.plot(*(MM * np.array(points)), "o", color=colour, mfc="white", label="_waypoint", zorder=4)
     ankle = MM * np.array(foot.ankle)
-    axes.plot(*ankle, **ANKLE)
+    axes.plot(*ankle, "+", color="black", ms=6, mew=1, zorder=5)
     axes.annotate("ankle", ankle, (4, 3), **near)
     hull, x, low, high = lower_hull(foot.contour)
     depth = MM * foot.hollow
