@@ -19,7 +19,7 @@ from footopt.errors import SettingError
 from footopt.report.figures.foot import draw_contour
 from footopt.report.figures.gait import draw_angles, draw_path
 from footopt.report.figures.sand import draw_stress
-from footopt.report.figures.search import FRONT, draw_convergence, draw_pair, history_label
+from footopt.report.figures.search import FRONT, draw_convergence, draw_pair
 from footopt.report.figures.traces import QUANTITIES, draw_quantity
 from footopt.report.stage import draw_walk
 from footopt.report.style import COLUMN, PAGE, Axes, fit_height, new_figure, png, styled
@@ -121,10 +121,7 @@ DRAWINGS: dict[str, Drawings] = {
     "Gait": {"angles": draw_angles, "path": draw_path},
     "Sand": {name: partial(draw_stress, component=name) for name in ("alpha_z", "alpha_x")},
     "Scene": {"sand": lambda axes, scene: draw_stress(axes, scene.sand)},
-    "SearchResult": {
-        "front": _draw_front,
-        "convergence": lambda axes, r: draw_convergence(axes, r.history, history_label(r.problem.names)),
-    },
+    "SearchResult": {"front": _draw_front, "convergence": draw_convergence},
     "Table": {"table": lambda axes, table: draw_pair(axes, {"designs": table.values}, table.names)},
     "Walk": {"walk": draw_walk, **{name: partial(draw_quantity, name=name) for name in QUANTITIES}},
 }

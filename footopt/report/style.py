@@ -40,13 +40,10 @@ SIDES = (("left", "#0072B2"), ("right", "#D55E00"))
 #: Designs (the best foot, the chosen one, all), and the flat sole that they are compared with.
 BEST, FLAT, CHOSEN, DESIGNS = "#009E73", "#707070", "#882255", "#56B4E9"
 SAND, SURFACE, STRONG_SAND = "#F3E9D2", "#E69F00", "#7A5230"
-#: A verdict that is good, bad, or none; its marks differ in shape, too.
-VERDICTS = ((BEST, "o"), ("#000000", "X"), (FLAT, "s"))
 #: Lines that look the same in every figure, by what they are; a stronger sand is darker.
 ROLES: dict[str, dict[str, Any]] = {
     "best": {"color": BEST},
     "robust": {"color": BEST},
-    "median scene": {"color": CHOSEN, "ls": "-."},
     "flat": {"color": FLAT, "ls": "--"},
     "soft": {"color": SURFACE},
     "hard": {"color": "#4A2C12", "ls": "--"},

@@ -248,13 +248,13 @@ def _search_entry(result: SearchResult, confirmed: Confirmation, finalists: int)
 def _draw(study: Study, result: SearchResult, leaders: Any, flat: dict[str, float]) -> None:
     """Draw how a search went, and the front, or the best soles, that it found."""
     from footopt.report import figures  # matplotlib takes a second
-    from footopt.report.figures.search import FRONT, history_label
+    from footopt.report.figures.search import FRONT
 
     problem, several = result.problem, result.problem.n_obj > 1
     if result.solver.name != EXHAUSTIVE:
         relative = not several and problem.ranking_objective == "efficiency" and flat["efficiency"] < 0.0
         base = flat["efficiency"] if relative else None
-        study.save("convergence", figures.convergence(result.history, history_label(problem.names), base))
+        study.save("convergence", figures.convergence(result, base))
     elif not several:
         best = enumerate(result.k[leaders], start=1)
         soles = {f"no. {i}": Foot.from_waypoints(k, problem.space) for i, k in best}

@@ -82,7 +82,7 @@ HISTORY = [
     SimpleNamespace(evaluations=10 * (i + 1), best=b, median=b + 1.0, hypervolume=np.nan)
     for i, b in enumerate([np.nan, -2.0, -2.5, -4.0])
 ]
-
+SEARCH = SimpleNamespace(history=HISTORY, problem=SimpleNamespace(names=("efficiency",)))
 
 #: How to draw each figure from walks by name and a table of objectives.
 FIGURES = {
@@ -92,7 +92,7 @@ FIGURES = {
         {n: fo.Foot.shape(n) for n in ("ellipse", "reversed_l")}
     ),
     "soles": lambda walks, table: figures.contours({"its own": walks["hard"].foot, "flat": fo.Foot.flat()}),
-    "convergence": lambda walks, table: figures.convergence(HISTORY, "efficiency $J_W$"),
+    "convergence": lambda walks, table: figures.convergence(SEARCH),
     "com": lambda walks, table: figures.com(walks),
     "forces": lambda walks, table: figures.forces(walks),
     "power_work": lambda walks, table: figures.power_work(walks),

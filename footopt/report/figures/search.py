@@ -21,39 +21,34 @@ MARKS: dict[str, dict[str, Any]] = {
 }
 
 
-def history_label(names: Sequence[str]) -> str:
-    """The label of what a search for these objectives improves (`footopt.design.Generation`)."""
-    return lookup(names)[0].label if len(names) == 1 else "hypervolume (1: box of the first generation)"
-
-
 @style.styled()
-def convergence(history: Sequence[Any], label: str, base: float | None = None) -> Figure:
+def convergence(result: Any, base: float | None = None) -> Figure:
     """The best value, or the hypervolume, and the population's median against the number of evaluations.
 
-    `history` is that of a search (`footopt.design.Generation`), `label` the value's with its unit. With the
-    flat foot's value as `base`, values are multiples of it.
+    They are those of a `footopt.design.SearchResult`, with the flat foot's value as `base` multiples of it.
     """
     figure = style.new_figure(style.COLUMN, 2.4)
-    draw_convergence(figure.subplots(), history, label, base)
+    draw_convergence(figure.subplots(), result, base)
     style.legend_above(figure)
     return figure
 
 
-def draw_convergence(axes: Axes, history: Sequence[Any], label: str, base: float | None = None) -> None:
+def draw_convergence(axes: Axes, result: Any, base: float | None = None) -> None:
     """Best and median on one axes; see `convergence`."""
+    names, scale = result.problem.names, base or 1.0
     evaluations, best, median, volume = (
-        np.array([getattr(row, name) for row in history], float)
+        np.array([getattr(row, name) for row in result.history], float)
         for name in ("evaluations", "best", "median", "hypervolume")
     )
-    best = best if np.isfinite(best).any() else volume
-    upright = label if base is None else f"{label} (× of flat)"
-    axes.set(xlabel="evaluations", ylabel=textwrap.fill(upright, 32))
-    axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
-    scale, look = base or 1.0, {"color": style.BEST, "drawstyle": "steps-post", "zorder": 3}
+    label = f"{lookup(names)[0].label}{' (× of flat)' if base else ''}"
+    if len(names) > 1:
+        best, label = volume, "hypervolume (1: box of the first generation)"
     # a best value holds until a better one is found
-    axes.plot(evaluations, best / scale, label="best so far", **look)
+    axes.plot(evaluations, best / scale, color=style.BEST, ds="steps-post", zorder=3, label="best so far")
     if np.isfinite(median).any():
         axes.plot(evaluations, median / scale, color=style.FLAT, ls="--", label="median")
+    axes.set(xlabel="evaluations", ylabel=textwrap.fill(label, 32))
+    axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
 
 
 @style.styled()

@@ -13,7 +13,7 @@ from footopt.report.style import Axes
 Comparisons = Sequence[Any]
 
 NAMES = {"alpha_x": r"$\alpha_x$", "alpha_z": r"$\alpha_z$", "zeta": r"$\zeta$"}
-SHOWN = dict(zip(("agrees", "differs", "undecided"), style.VERDICTS, strict=True))
+SHOWN = {"agrees": (style.BEST, "o"), "differs": ("#000000", "X"), "undecided": (style.FLAT, "s")}
 DATA: dict[str, Any] = {"color": "black", "ls": "", "marker": "o", "elinewidth": 0.8}
 MEASURED = "measured; all ± 2 u"
 MANY = 10  # points that have no rows of their own
