@@ -208,11 +208,11 @@ def describe_search(result: SearchResult) -> str:
     )
 
 
-def describe_few(designs: int, exact: bool) -> str:
-    """A caution where a search that is not exact has evaluated few designs, or ""."""
-    if exact or designs >= FEW:
-        return ""
-    return f"Only {designs} designs were evaluated: a search of 10,000 may find a better foot."
+def describe_few(result: SearchResult) -> list[str]:
+    """A caution where a search that is not exact has evaluated few designs."""
+    if result.solver.name == "exhaustive" or result.designs >= FEW:
+        return []
+    return [f"Only {result.designs} designs were evaluated: a search of 10,000 may find a better foot."]
 
 
 def describe_confirmation(confirmed: Confirmation) -> str:

@@ -88,9 +88,8 @@ def run(study: Study) -> Any:
 
     several = problem.n_obj > 1
     by = problem.choice.by if several else problem.ranking_objective
-    by_j = by == "efficiency"
     which = f"Of the front {FRONT_RULES[problem.choice.by]}" if several else "Best foot"
-    sought = "efficiency" if by_j or several else by
+    sought = "efficiency" if several else by
     ranges = {} if under is None else under.range_of(0)
     rank = laws.describe_rank(problem, under, record["better_than_flat_zeta"]) if under is not None else ""
     study.say(f"{which} for {terminal.describe_scene(scene)}: {terminal.describe_foot(best)}")
@@ -113,8 +112,7 @@ def run(study: Study) -> Any:
     elif outside := [d.name for d in diagnostics if d.outside]:
         see = " (report.html says why)" if study.wants_report else ""
         terminal.warn(study.console, f"outside the tested range: {', '.join(outside)}{see}.")
-    few = terminal.describe_few(result.designs, solver.name == EXHAUSTIVE)
-    for words in [*_warnings(problem, values, base, by_j), *([few] if few else [])]:
+    for words in (*_warnings(problem, values, base, by), *terminal.describe_few(result)):
         terminal.warn(study.console, words)
     study.close()
     if result.interrupted:
@@ -135,16 +133,15 @@ def _sentence(result: SearchResult, confirmed: Confirmation, certificate: Certif
     return f"Search: {'; '.join([f'{result.designs:,} of {space.K}^{space.n} soles', *told])}."
 
 
-def _warnings(
-    problem: FootProblem, values: dict[str, float], base: dict[str, float], by_j: bool
-) -> list[str]:
-    """Warnings about the best design: it is no better than the flat sole, or breaks a limit."""
+def _warnings(problem: FootProblem, values: dict[str, float], base: dict[str, float], by: str) -> list[str]:
+    """Warnings about the best design: it is no better than the flat sole, or breaks a limit.
+
+    `by` is the measure by which it is the best, or how it is chosen of a front.
+    """
     said = []
-    if problem.n_obj == 1 or by_j:
-        by = "efficiency" if by_j else problem.names[0]
-        if MEASURES[by].sign * (values[by] - base[by]) >= 0.0:
-            compared = f"{number(values[by])} against {number(base[by])}"
-            said.append(f"The flat sole is as good or better in {title(by)}: {compared}. Search longer.")
+    if by in MEASURES and MEASURES[by].sign * (values[by] - base[by]) >= 0.0:
+        compared = f"{number(values[by])} against {number(base[by])}"
+        said.append(f"The flat sole is as good or better in {title(by)}: {compared}. Search longer.")
     for name, limit in problem.limits.items():
         if excess(name, limit, np.array([values[name]]))[0] > 0.0:
             value = quantity(values[name], MEASURES[name].unit)

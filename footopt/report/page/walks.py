@@ -70,7 +70,7 @@ def search_content(
     """
     problem, chosen, several = result.problem, int(confirmed.designs[0]), result.problem.n_obj > 1
     exact = result.solver.name == EXHAUSTIVE
-    search, few, printed = describe_search(result), describe_few(result.designs, exact), []
+    search, few, printed = describe_search(result), describe_few(result), []
     finely: list[float] | None = None
     if entry.get("to_print"):
         k = np.array([entry["to_print"]["k"]])
@@ -94,7 +94,7 @@ def search_content(
             *([certificate["says"]] if certificate else []),
             *([f"{len(rows)} of the designs are on this page"] if len(rows) < result.designs else []),
         ],
-        "warnings": [few] if few else [],
+        "warnings": few,
         "ranking_objective": problem.names[0],
         "choice": problem.choice.by if several else "best",
         "objectives": list(problem.names),
