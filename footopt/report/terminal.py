@@ -109,11 +109,10 @@ def span(name: str, changes: Sequence[float]) -> str:
     """The range of relative changes."""
     if not (known := [c for c in changes if math.isfinite(c)]):
         return "-"
-    ends = [
-        f"{1.0 + c:.2f}" if name == "efficiency" else f"{100.0 * c:+.0f}" for c in (min(known), max(known))
-    ]
-    text = " to ".join(dict.fromkeys(ends))
-    return f"x {text}" if name == "efficiency" else f"{text} %"
+    ends = min(known), max(known)
+    if name == "efficiency":
+        return "x " + " to ".join(dict.fromkeys(f"{1.0 + c:.2f}" for c in ends))
+    return " to ".join(dict.fromkeys(f"{round(100.0 * c):+d}".replace("+0", "0") for c in ends)) + " %"
 
 
 def doubtful(own: float, changes: Sequence[float]) -> str:

@@ -7,7 +7,7 @@ from footopt.design import Confirmation, FootProblem, SearchResult
 from footopt.design.laws import REACH, UnderLaws, better_zetas, under_laws
 from footopt.foot import Foot
 from footopt.report import terminal
-from footopt.report.numbers import change, percent, title
+from footopt.report.numbers import change, number, percent, title
 from footopt.report.output import foot_entry
 from footopt.studies.runs import Study
 
@@ -72,9 +72,14 @@ def _zetas(problem: FootProblem, better: tuple[float | None, float | None] | Non
     if better is None:
         return ""
     scene: Any = problem.scene
-    low, high = (end and f"{end:.2g}" for end in better)
+    low, high = (end and _two_digits(end) for end in better)
     if low and high:
         return f", from zeta {low} to {high}"
     if low or high:
         return f", from zeta {low} on" if low else f", up to zeta {high}"
-    return f", at every zeta from {scene.sand.zeta / REACH:.2g} to {scene.sand.zeta * REACH:.2g}"
+    least, most = map(_two_digits, (scene.sand.zeta / REACH, scene.sand.zeta * REACH))
+    return f", at every zeta from {least} to {most}"
+
+
+def _two_digits(zeta: float) -> str:
+    return number(float(f"{zeta:.2g}"))
