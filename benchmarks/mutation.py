@@ -2,7 +2,6 @@
 
 python benchmarks/mutation.py                # 60 mutations, about an hour of a core
 python benchmarks/mutation.py --only 7 12    # some of them again
-python benchmarks/mutation.py --quick        # the first: does it run?
 
 Lines are drawn by a seed from the rooms below. On a line an operator, a sign, a comparison, a constant or an
 index is changed, or a statement is left out. In a copy of the checkout the default tests of the room run
@@ -102,9 +101,8 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=60, help="of mutations")
     parser.add_argument("--seed", type=int, default=1, help="of the lines")
     parser.add_argument("--only", type=int, nargs="+", help="numbers of some of them")
-    parser.add_argument("--quick", action="store_true", help="the first")
     given = parser.parse_args()
-    chosen = [1] if given.quick else given.only or range(1, given.count + 1)
+    chosen = given.only or range(1, given.count + 1)
     found, caught = drawn(given.count, given.seed), 0
     rooms = sorted({test.parent.name for test in (HERE / "tests").glob("*/test_*.py")})
     rooms.sort(key=lambda room: [room] not in [own[-1:] for own in ROOMS.values()])
