@@ -38,6 +38,11 @@ def test_one_walk_is_compiled_for_every_plausible_law_of_the_sand():
         assert walk.signatures == compiled_before
 
 
+def test_walks_of_several_threads_go_on_side_by_side():
+    """Compiled code lets go of Python's lock."""
+    assert compiled_for(walk_designs, ()).targetoptions["nogil"]
+
+
 def test_a_source_that_was_changed_has_its_code_elsewhere_in_a_folder_of_the_user_alone(
     tmp_path, monkeypatch
 ):
