@@ -17,7 +17,7 @@ from hydra.core.override_parser.overrides_parser import OverridesParser
 from omegaconf import OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
-from footopt.cli.compose import CONF, hydra_overrides, register, resolved
+from footopt.cli.compose import CONF, groups, hydra_overrides, register, resolved
 from footopt.cli.messages import explain, translate
 from footopt.errors import ERROR_FILE, EngineError, FootoptError, check
 from footopt.files import identity
@@ -26,7 +26,7 @@ from footopt.files.io import write_text
 from footopt.studies import searches, within
 from footopt.studies.build import absolute, check_trusted, load_plugins
 from footopt.studies.runs import BUDGETS, Run, check_may_change, check_resumable, load, run_study
-from footopt.studies.settings import CODE, WRITTEN, EngineConfig, structured
+from footopt.studies.settings import CODE, WRITTEN, structured
 
 TRUST, FORCE = "--trust", "--force"
 
@@ -128,7 +128,8 @@ def _changes(given: Sequence[str]) -> dict[str, Any]:
     changes = OverridesParser.create().parse_overrides(overrides)
     for change in changes:
         check(not change.is_sweep_override(), "resume", change.input_line, "one value")
-    return {change.get_key_element(): change.value() for change in changes}
+    values = {change.get_key_element(): change.value() for change in changes}
+    return {f"{name}.name" if name in groups() else name: value for name, value in values.items()}
 
 
 def _resume_job(job: Path, changes: Mapping[str, Any], given: Sequence[str]) -> None:
@@ -160,10 +161,10 @@ def _resume_run(folder: Path, changes: Mapping[str, Any], given: Sequence[str]) 
     if FORCE in given and searches(run.settings["study"]["name"]):
         settings.study.reuse = True
     for name, value in changes.items():
-        value = EngineConfig(name=value) if name == "engine" else value
         OmegaConf.update(settings, name, value, merge=False)
     plain: Any = OmegaConf.to_container(settings, resolve=True)
     check_resumable(folder, run.settings, plain)
-    kept = [one for one in run.overrides if not within(one.partition("=")[0], changes)]
     overrides = [one for one in given if "=" in one and not one.startswith("resume=")]
+    replaced = [one.partition("=")[0] for one in overrides]
+    kept = [one for one in run.overrides if not within(one.partition("=")[0], replaced)]
     execute(plain, folder, [*kept, *overrides], resumed=True)

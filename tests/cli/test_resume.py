@@ -183,3 +183,5 @@ def test_files_of_a_run_are_found_from_another_folder(tmp_path, monkeypatch):
     assert config.gait.path == str(there / "Größe.mot")
     assert config.plugins == [str(there / "mine.py"), "json.tool"]
     assert config.sand.table is None
+    assert footopt(f"resume={folder}", "--trust", "choose=limits", cwd=here).returncode == 0
+    assert ran[2][0].choose.name == "limits"
