@@ -10,16 +10,14 @@ from typing import Any
 
 import numpy as np
 from matplotlib.animation import FFMpegWriter, PillowWriter
-from numpy.typing import NDArray
 
+from footopt.arrays import Array
 from footopt.errors import FileError, FootoptError, SettingError, check
 from footopt.files.io import write_whole
 from footopt.report.numbers import sand_title, title
 from footopt.report.stage import ARROW, Stage, draw_ground, draw_key, write
 from footopt.report.style import PAGE, new_figure, sides, styled
 from footopt.walk import Walk
-
-Array = NDArray[np.float64]
 
 FRAMES = 2000  # of a GIF, at most: they are in memory until it is written, about a megabyte each
 WIDEST = 3.0  # times its height: a longer walk is followed by the camera

@@ -10,16 +10,14 @@ import numpy as np
 from matplotlib.colors import to_hex, to_rgb
 from matplotlib.patheffects import withStroke
 from matplotlib.quiver import Quiver
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from footopt.arrays import Array, Ints
 from footopt.files.outline import closed_contour
 from footopt.report import style
 from footopt.report.numbers import sand_title, title
 from footopt.report.style import PALETTE, Axes
 from footopt.walk import Scene, Walk
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 ARROWS = 20  # parts of a sole, at most, that have a force each
 POSES = 9  # of the walker in the picture of a walk

@@ -11,9 +11,9 @@ from urllib.parse import quote
 import numpy as np
 import pandas
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 from scipy.io import netcdf_file
 
+from footopt.arrays import Array
 from footopt.design.fronts import hypervolume_shares
 from footopt.design.store import flat
 from footopt.errors import ERROR_FILE, FileError
@@ -145,7 +145,7 @@ def compare(folder: Path, folders: Sequence[Path]) -> int:
     return sum(not r or (r.get("study") == "simulate" and bool(r.get("reason"))) for r in results)
 
 
-def compared(runs: Sequence[Row]) -> tuple[list[dict[str, Any]], NDArray[np.float64]]:
+def compared(runs: Sequence[Row]) -> tuple[list[dict[str, Any]], Array]:
     """The objectives that all runs have, those that were sought first, as columns of the page, and values.
 
     J_W is a multiple of the flat foot's where all know it.

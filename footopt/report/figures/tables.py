@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from footopt.arrays import Array
 from footopt.report import style
 
 ROW = 0.21  # height of a row, inches
@@ -46,7 +46,7 @@ def claims(entries: Sequence[Mapping[str, Any]]) -> Figure:
     return figure
 
 
-def _draw(axes: style.Axes, good: NDArray[np.float64], rows: Sequence[str], columns: Sequence[str]) -> None:
+def _draw(axes: style.Axes, good: Array, rows: Sequence[str], columns: Sequence[str]) -> None:
     """One cell a verdict (rows, columns): 1 is good, 0 bad, NaN none."""
     axes.pcolormesh(good, cmap=SHADES, vmin=0.0, vmax=1.0, edgecolor="white", lw=1.0)
     axes.set_xticks(np.arange(len(columns)) + 0.5, columns, fontsize=7)

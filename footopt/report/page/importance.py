@@ -3,16 +3,15 @@
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+
+from footopt.arrays import Array, Ints
 
 MOST = 4_000  # designs of a fit, and as many that judge it
 RIDGE = 1e-3  # of the variance of a term: the best designs of a search are nearly alike
 PER_TERM = 4  # designs that a term of the fit takes at least
 
-Array = NDArray[np.float64]
 
-
-def importance(k: NDArray[np.int64], values: Array, seed: int = 0) -> dict[str, Any] | None:
+def importance(k: Ints, values: Array, seed: int = 0) -> dict[str, Any] | None:
     """How much each waypoint's height, of k (designs, n), tells of a value (designs,): shares of 1.
 
     A quadratic is fitted to half of the designs. A waypoint matters by how much the fit's squared error in

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from footopt.arrays import Array
 from footopt.design import EXHAUSTIVE, Confirmation, SearchResult
 from footopt.design.certificate import joined
 from footopt.design.result import SHOWN
@@ -18,7 +18,7 @@ from footopt.report.stage import forces_along, ground, groups
 from footopt.report.style import sides
 from footopt.report.terminal import describe_confirmation, describe_few, describe_scene, describe_search
 from footopt.sand.law import EARTH
-from footopt.walk import MEASURES, Scene, Simulator, Walk
+from footopt.walk import MEASURES, Scene, Walk
 from footopt.walk.accuracy import AnyAccuracy
 from footopt.walk.phases import step_on_patch
 
@@ -31,8 +31,6 @@ PLANETS = {3.73: " on Mars", 1.62: " on the Moon"}
 POSE_STEP = 0.01  # s, between the poses of the gait
 OUTSIDE = "a robot walks in MuJoCo, not in the page"
 
-Array = NDArray[np.float64]
-
 
 def walk_content(walk: Walk, entry: dict[str, Any], flat: Walk | None = None) -> dict[str, Any]:
     """The page of one walk, beside that of the flat sole; `entry` is the run's result.json."""
@@ -43,7 +41,7 @@ def walk_content(walk: Walk, entry: dict[str, Any], flat: Walk | None = None) ->
     given = foot.k is not None and foot.name.startswith("k=")  # the page tells k beside the sole
     name = "as given" if given else title(foot.name)
     return {
-        **_common(entry, walk.scene, tuple(values), walk.accuracy, foot, walk),
+        **_common(entry, walk, tuple(values), walk.accuracy, foot),
         "title": f"A walk on {place(walk.world)}{f': {name}' * (not given)}",
         "headline": [describe_scene(walk.scene)],
         "space": space and spline(space),
@@ -85,7 +83,7 @@ def search_content(
     certificate = entry.get("certificate")
     kind = "A hollow foot" if best.foot.hollow > HOLLOW * problem.space.H else "A foot"
     return {
-        **_common(entry, problem.scene, problem.record, problem.accuracy, problem.space, best),
+        **_common(entry, best, problem.record, problem.accuracy, problem.space),
         "title": f"{kind} for {place(best.world)}",
         "headline": [
             f"Soles for {', '.join(map(title, problem.names))} on {describe_scene(problem.scene)}",
@@ -132,15 +130,14 @@ def place(world: Scene) -> str:
 
 
 def _common(
-    entry: dict[str, Any],
-    scene: Simulator,
-    names: Sequence[str],
-    accuracy: AnyAccuracy,
-    foot: Foot | Waypoints,
-    walk: Walk,
+    entry: dict[str, Any], walk: Walk, names: Sequence[str], accuracy: AnyAccuracy, foot: Foot | Waypoints
 ) -> dict[str, Any]:
     """The columns of values, the scene's gait, the constants of walks, and the run's own entry."""
-    world, spread = walk.world, entry.get("settings", {}).get("sand", {}).get("spread", 0.0)
+    scene, world, spread = (
+        walk.scene,
+        walk.world,
+        entry.get("settings", {}).get("sand", {}).get("spread", 0.0),
+    )
     t = np.linspace(0.0, world.duration, int(np.ceil(world.duration / POSE_STEP)) + 1)
     angles = np.stack([angle for angle, _ in world.gait.angles(t)], axis=-1)
     return {
