@@ -3,7 +3,7 @@
 All vectors are in the body's frame: its twist (v of its origin, omega), the faces' places r and the direction
 up, which is all that the law must know of the attitude. A face moves with v + omega x r.
 
-*Soles* feel the planar law (`footopt.sand.law.affine`), written with vectors, so that a plate may be tilted
+*Soles* feel the planar law (`footopt.sand.law`), written with vectors, so that a plate may be tilted
 across its motion. With the normal n, up u, <n n> the mean over a bent plate, q = <n n> u, l = q.u (1 for a
 level plate, 0 for a wall), c = 2 l - 1, s = -2 (q - l u) and P = 1 - u u, the stress is a - M h::
 

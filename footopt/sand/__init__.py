@@ -2,7 +2,7 @@
 
 from footopt.sand import law as stress
 from footopt.sand.fit import fit_stress_map
-from footopt.sand.law import GENERIC, StressMap, affine, alpha
+from footopt.sand.law import GENERIC, StressMap, alpha
 from footopt.sand.media import MEDIA, Sand
 
-__all__ = ["GENERIC", "MEDIA", "Sand", "StressMap", "affine", "alpha", "fit_stress_map", "stress"]
+__all__ = ["GENERIC", "MEDIA", "Sand", "StressMap", "alpha", "fit_stress_map", "stress"]

@@ -1,4 +1,4 @@
-"""Resistive force theory (RFT): the stress on one plate, in its angles and in its affine form.
+"""Resistive force theory (RFT): the stress on one plate, in its angles.
 
 A plate with world angle beta (counter-clockwise, rad) that moves in the direction gamma
 (rad, positive downwards: gamma = atan2(-v_z, v_x)) at depth |z| below the surface feels
@@ -6,8 +6,12 @@ A plate with world angle beta (counter-clockwise, rad) that moves in the directi
     f_x = -zeta alpha_x(beta, gamma) |z| dA,    f_z = +zeta alpha_z(beta, gamma) |z| dA
 
 with nine Fourier coefficients (Li, Zhang & Goldman, Science 339, 2013, table S2): the paper's eq. 1.
-`alpha` is that map as published; `affine` is the same law as the compiled code has it
-(`footopt.walk.contact.resistance`).
+`alpha` is that map as published. With c = cos 2 beta, s = sin 2 beta and h = (cos gamma, -sin gamma) it is
+anisotropic dry friction with a bias, f / (zeta |z| dA) = a - M h (`footopt.walk.contact.resistance`)::
+
+    a = ( -D10 s,  A00 + A10 c )
+    M = [ C01 + (C11 + C-11) c      (C11 - C-11) s       ]
+        [ -(B11 - B-11) s           B01 + (B11 + B-11) c ]
 """
 
 from __future__ import annotations
@@ -63,18 +67,16 @@ class StressMap:
         return Law(self.A00, self.A10, *b, *c, self.D10)
 
     def dissipation(self) -> float:
-        """Smallest alpha_x cos(gamma) + alpha_z sin(gamma) over all angles, N/cm^3.
+        """Smallest `power_taken` over all angles, N/cm^3: 0.054 of the generic map.
 
-        It is the power that the sand takes per depth, area and speed. A law below zero somewhere gives
-        energy to the walker there; the generic map's minimum is 0.054.
+        A law below zero somewhere gives energy to the walker there.
         """
         beta, gamma = np.meshgrid(np.linspace(-np.pi / 2, np.pi / 2, 181), np.linspace(-np.pi, np.pi, 361))
-        ax, az = alpha(beta, gamma, self)
-        return float(np.min(ax * np.cos(gamma) + az * np.sin(gamma))) / PER_CM3
+        return float(np.min(power_taken(beta, gamma, self))) / PER_CM3
 
 
 class Law(NamedTuple):
-    """Coefficients of the affine form (`affine`), N/cm^3; compiled code gets them times zeta, in N/m^3."""
+    """Coefficients of the affine form, N/cm^3; compiled code gets them times zeta, in N/m^3."""
 
     A00: float
     A10: float
@@ -124,37 +126,7 @@ def alpha(beta: ArrayLike, gamma: ArrayLike, stress_map: StressMap = GENERIC) ->
     return PER_CM3 * ax, PER_CM3 * az
 
 
-def affine(beta: ArrayLike, stress_map: StressMap = GENERIC) -> tuple[Array, Array]:
-    """The same law as a bias and a matrix: f / (zeta |z| dA) = a - M h, with h = v / |v|.
-
-    With c = cos 2 beta and s = sin 2 beta::
-
-        a = ( -D10 s,  A00 + A10 c )
-        M = [ C01 + (C11 + C-11) c      (C11 - C-11) s       ]
-            [ -(B11 - B-11) s           B01 + (B11 + B-11) c ]
-
-    RFT is thus an anisotropic dry-friction law with a bias. Expand the angle sums of `alpha` with
-    cos g = h_x and sin g = -h_z to see it.
-
-    Parameters
-    ----------
-    beta : array_like of shape S, rad
-        Angles of the plates in the world.
-    stress_map : StressMap
-        The nine coefficients.
-
-    Returns
-    -------
-    a : array of shape S + (2,), N/m^3
-        The bias.
-    M : array of shape S + (2, 2), N/m^3
-        The matrix.
-    """
-    b, law = np.asarray(beta, float), stress_map.law
-    c, s = np.cos(2 * b), np.sin(2 * b)
-    a = np.stack([-law.D10 * s, law.A00 + law.A10 * c], axis=-1)
-    rows = [
-        np.stack([law.C01 + law.C_sum * c, law.C_diff * s], axis=-1),
-        np.stack([-law.B_diff * s, law.B01 + law.B_sum * c], axis=-1),
-    ]
-    return PER_CM3 * a, PER_CM3 * np.stack(rows, axis=-2)
+def power_taken(beta: ArrayLike, gamma: ArrayLike, stress_map: StressMap = GENERIC) -> Array:
+    """The power that the sand takes per depth, area and speed, N/m^3 (for zeta = 1); as of `alpha`."""
+    ax, az = alpha(beta, gamma, stress_map)
+    return np.asarray(ax * np.cos(gamma) + az * np.sin(gamma))

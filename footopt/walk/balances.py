@@ -5,7 +5,8 @@ from functools import cache
 
 import numpy as np
 
-from footopt.sand import StressMap, affine
+from footopt.sand import StressMap
+from footopt.sand.law import power_taken
 from footopt.walk.results import Walk
 
 NOISE = 1e-5  # of a walk's largest power; 5e-6 is the most in 120 marches that set feet down at 2 to 4 m/s
@@ -53,10 +54,9 @@ def smoothing_power(stress_map: StressMap) -> float:
     while q < q0 = (a.e) / (e.M e): at speeds below eps q0 / sqrt(1 - q0^2). q0 < 1 wherever the law
     dissipates; elsewhere there is no bound (inf).
     """
-    beta, angle = np.linspace(-np.pi / 2, np.pi / 2, 361), np.linspace(-np.pi, np.pi, 721)
-    a, m = affine(beta, stress_map)
-    e = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-    q0 = float(np.max((a @ e.T) / np.einsum("ti,bij,tj->bt", e, m, e)))
+    beta, gamma = np.meshgrid(np.linspace(-np.pi / 2, np.pi / 2, 361), np.linspace(-np.pi, np.pi, 721))
+    there, back = (power_taken(beta, gamma + turn, stress_map) for turn in (0.0, np.pi))
+    q0 = float(np.max((back - there) / (back + there)))
     return q0 / math.sqrt(1.0 - q0 * q0) if q0 < 1.0 else math.inf
 
 

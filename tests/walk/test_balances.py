@@ -9,11 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import footopt as fo
-from footopt.sand import affine
 from footopt.sand.law import GENERIC
 from footopt.studies.stability_cases import MARCH
 from footopt.walk import STEPPERS
 from footopt.walk.balances import energy_gap, power_from_sand, sinking_speed, smoothing_power
+from footopt.walk.contact import Direction, resistance
 from footopt.walk.newton import MAX_NEWTON
 
 SANDS = (0.05, 0.2, 1.0, 5.0, 50.0, 500.0)
@@ -100,8 +100,8 @@ class TestEnergy:
     def test_the_smoothed_law_lends_no_more_than_its_bound(self, beta, direction, decade):
         eps = 1e-4
         velocity = eps * 10.0**decade * np.array([math.cos(direction), math.sin(direction)])
-        a, m = affine(beta)
-        force = a - m @ (velocity / math.hypot(*velocity, eps))
+        h = Direction(*(velocity / math.hypot(*velocity, eps)), 0.0, 1.0)
+        force = resistance(GENERIC.law, math.cos(2 * beta), math.sin(2 * beta), h, 1.0, None)
         assert force @ velocity <= smoothing_power(GENERIC) * eps * np.hypot(*force)
         if math.hypot(*velocity) > smoothing_power(GENERIC) * eps:
             assert force @ velocity < 0
