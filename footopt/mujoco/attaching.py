@@ -88,12 +88,10 @@ class Contact:
         grains, planar = (sand, sand.sand) if isinstance(sand, Grains) else (Grains(), sand)
         found, once, acting = _laws(planar, tuple(effects))
         g = float(np.linalg.norm(model.opt.gravity)) / EARTH
-        if not feet:
-            raise SettingError("feet", {}, "a body and its foot, at least")
-        if plates < 4 or plates % 2:
-            raise SettingError("plates", plates, "an even number from 4")
-        if found.tilt:
-            raise SettingError("effects", "an inclined plane", "on a level one", "Tilt model.opt.gravity.")
+        check(feet, "feet", {}, "a body and its foot, at least")
+        check(plates >= 4 and plates % 2 == 0, "plates", plates, "an even number from 4")
+        level = found.tilt == 0.0
+        check(level, "effects", "an inclined plane", "on a level one", "Tilt model.opt.gravity.")
         bodies, tables, first, soles = np.zeros(len(feet), BODY), [], 0, dict[int, Array]()
         rows = [mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name) for name in feet]
         check(data.model is model, "data", data, "of this model", "mujoco.MjData(model)")
@@ -130,19 +128,28 @@ class Contact:
             jacobian.ctypes.data,
             ctypes.addressof(FORGOT),
         )
-        shapes = ((1, 3), (2, len(feet)), (2, model.nv), (3, 3 * first), (6, n))  # that steps leave
-        ends = np.cumsum([math.prod(shape) for shape in shapes]).tolist()
+        nv, count = model.nv, len(feet)
+        kept = {  # from step to step
+            "moment": (1, 3), "spent": (2, count), "drift": (2, nv), "bristles": (3, 3 * first),
+            "vectors": (6, n),
+        }  # fmt: skip
+        scratch = {
+            "frame": (count, 9), "history": (traced * remembers, 3 * first), "factor": (1, data.M.size),
+            "answers": (nv, n), "gained": (1, nv), "mobility": (n, n), "stiffness": (n, 6),
+            "system": (n + 1, n + 1), "room": (ROOM, n),
+        }  # fmt: skip
+        ends = np.cumsum([math.prod(shape) for shape in kept.values()]).tolist()
         self.memory = memory(model, data, ends[-1])
-        parts = zip(np.split(self.memory, ends[:-1]), shapes, strict=True)
-        self._space = Workspace._make((
-            step, bodies, _freedoms(mujoco, model), model.M_colind[None].astype(np.int64), data.M[None],
-            data.xpos, data.xmat.reshape(-1, 9), data.qvel[None], data.qfrc_passive[None],
-            np.concatenate(tables)[None], *(part.reshape(shape) for part, shape in parts), jacobian,
-            np.zeros((n // 6, 9)), np.full((traced, n), np.nan), np.zeros((traced * remembers, 3 * first)),
-            np.zeros((3, n), np.int64), np.zeros((1, data.M.size)), np.zeros((model.nv, n)),
-            np.zeros((1, model.nv)), np.zeros((n, n)), np.zeros((n, 6)), np.zeros((n + 1, n + 1)),
-            np.zeros((ROOM, n)), np.array([outside]),
-        ))  # fmt: skip
+        parts = zip(kept.items(), np.split(self.memory, ends[:-1]), strict=True)
+        self._space = Workspace(
+            step=step, bodies=bodies, freedoms=_freedoms(mujoco, model),
+            columns=model.M_colind[None].astype(np.int64), inertia=data.M[None], places=data.xpos,
+            attitude=data.xmat.reshape(-1, 9), velocity=data.qvel[None], passive=data.qfrc_passive[None],
+            faces=np.concatenate(tables)[None], jacobian=jacobian, trace=np.full((traced, n), np.nan),
+            chosen=np.zeros((3, n), np.int64), outside=np.array([outside]),
+            **{name: part.reshape(shape) for (name, shape), part in parts},
+            **{name: np.zeros(shape) for name, shape in scratch.items()},
+        )  # fmt: skip
         self.model, self.data, self.names, self._bodies = model, data, tuple(feet), bodies
         self.acting = found.effects
         self.addresses = np.array([(a.ctypes.data, *a.shape, 0)[:3] for a in self._space])

@@ -56,26 +56,15 @@ class Accuracy:
     tolerance: float | None = None
 
     def __post_init__(self) -> None:
-        if self.rule not in RULES:
-            raise SettingError("accuracy.rule", self.rule, f"one of {', '.join(RULES)}")
-        if self.stepper not in STEPPERS:
-            raise SettingError("accuracy.stepper", self.stepper, f"one of {', '.join(STEPPERS)}")
+        check(self.rule in RULES, "accuracy.rule", self.rule, f"one of {', '.join(RULES)}")
+        steppers = f"one of {', '.join(STEPPERS)}"
+        check(self.stepper in STEPPERS, "accuracy.stepper", self.stepper, steppers)
         check(LEAST_DT <= self.dt <= 1.0, "accuracy.dt", self.dt, "a time step from 1e-9 to 1, in s")
         check_whole(self.plates, "accuracy.plates", 2, MOST_PLATES, "The paper's is 100.")
-        check(
-            LEAST <= self.creep <= 1.0,
-            "accuracy.creep",
-            self.creep,
-            "a speed from 1e-12 to 1, in m/s",
-            "At zero speed the law is set-valued; 1e-4 changes the distance by 0.002 %.",
-        )
-        check(
-            self.control is None or LEAST <= self.control <= 1.0,
-            "accuracy.control",
-            self.control,
-            "null, or a speed from 1e-12 to 1, in m/s",
-            "Try 1e-4.",
-        )
+        speed, hint = "a speed from 1e-12 to 1, in m/s", "At zero speed the law is set-valued. Try 1e-4."
+        check(LEAST <= self.creep <= 1.0, "accuracy.creep", self.creep, speed, hint)
+        known = self.control is None or LEAST <= self.control <= 1.0
+        check(known, "accuracy.control", self.control, f"null, or {speed}", "Try 1e-4.")
 
     def refined(self, times: int = 1) -> Accuracy:
         """Half the time step (under control an eighth of it), twice the plates, half the creep speed.

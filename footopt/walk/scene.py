@@ -61,11 +61,9 @@ class Scene(Simulator):
         check_kind(self.gait, Gait, "gait", "Try fo.Gait.human() or fo.read_gait(path)")
         check_kind(self.walker, Walker, "walker", "Try fo.Walker(mass=60)")
         object.__setattr__(self, "effects", ordered(self.effects))
-        allowed, hint = (
-            "given, in s, for a walker that stands still",
-            "Try scene.t_f=10, or a finite gait.start.",
-        )
-        check(self.t_f is not None or math.isfinite(self.gait.start), "scene.t_f", None, allowed, hint)
+        moves, hint = math.isfinite(self.gait.start), "Try scene.t_f=10, or a finite gait.start."
+        allowed = "given, in s, for a walker that stands still"
+        check(self.t_f is not None or moves, "scene.t_f", None, allowed, hint)
         check(self.t_f is None or 0 < self.t_f <= 1e5, "scene.t_f", self.t_f, "a time > 0 and <= 1e5, in s")
 
     @property
