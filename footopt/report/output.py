@@ -1,28 +1,34 @@
 """`Output`: what a run prints, and what it leaves in its folder: result.json, figures, tables, a page."""
 
+import math
 import threading
 import time
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from rich.console import RenderableType
-from rich.table import Table
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Column, Table
 from rich.text import Text
 
 from footopt.compiled import target
+from footopt.design import Generation
 from footopt.effects import name_of
 from footopt.effects.base import parameters
 from footopt.files import identity
 from footopt.files import io as files
 from footopt.foot import Foot
 from footopt.report import terminal
-from footopt.report.progress import Step, progress
+from footopt.report.numbers import number, title
 from footopt.walk import MEASURES, Accuracy, Simulator
 
 PATIENCE = 1.5  # s
+
+#: Takes news as text, "" by default, and how many units are done, 1 by default.
+Step = Callable[..., None]
 
 
 class Output:
@@ -50,9 +56,20 @@ class Output:
         for part in parts:
             self.console.print(part)
 
-    def progress(self, total: int, unit: str) -> AbstractContextManager[Step]:
-        """Show how far a block is: see `footopt.report.progress.progress`."""
-        return progress(self.console, total, unit)
+    @contextmanager
+    def progress(self, total: int, unit: str) -> Iterator[Step]:
+        """Show how far a block is, on a terminal: it calls the `Step` that it gets after each unit."""
+        rest = Column(ratio=1, no_wrap=True, overflow="ellipsis")
+        columns = (
+            TextColumn(unit + " {task.completed:.0f}/{task.total:.0f}"),
+            BarColumn(bar_width=12),
+            TimeRemainingColumn(),
+            TextColumn("{task.fields[news]}", table_column=rest),
+        )
+        quiet = not self.console.is_interactive
+        with Progress(*columns, console=self.console, expand=True, transient=True, disable=quiet) as bar:
+            task = bar.add_task(unit, total=total, news="")
+            yield lambda news="", units=1: bar.update(task, advance=units, news=news)
 
     @contextmanager
     def compiling(self, what: str = "the walk") -> Iterator[None]:
@@ -124,6 +141,26 @@ class Output:
         """Print the last line: where the run has left what it found."""
         line = f"Everything is in {self.folder} ({self.seconds:.3g} s in all)"
         self.console.print(line, soft_wrap=True)  # no line break in what is to be copied
+
+
+def report_generations(
+    step: Step, objective: str, units: int = 1, about: str = "", base: float | None = None
+) -> Callable[[Generation], None]:
+    """A search's callback that shows its best value after each generation, which counts as some units.
+
+    With a `base`, J_W of the flat foot, the value is shown as a multiple of it.
+    """
+
+    def show(g: Generation) -> None:
+        best = f"hypervolume {number(g.hypervolume)}" if g.front else "none feasible yet"
+        if math.isfinite(g.best) and base and math.isfinite(base):
+            best = f"best J_W x {g.best / base:.2f} of flat"
+        elif math.isfinite(g.best):
+            best = f"best {title(objective)} {number(g.best)}"
+        front = f", front {g.front}" if g.front > 1 else ""
+        step(f"{about}{best}{front}, {g.evaluations / max(g.seconds, 1e-9):.0f} evaluations/s", units)
+
+    return show
 
 
 def foot_entry(foot: Foot) -> dict[str, Any]:

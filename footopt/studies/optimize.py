@@ -25,8 +25,7 @@ from footopt.files.feet import write_all
 from footopt.foot import Foot, Waypoints
 from footopt.report import terminal
 from footopt.report.numbers import number, percent, quantity, title
-from footopt.report.output import foot_entry
-from footopt.report.progress import report_generations
+from footopt.report.output import foot_entry, report_generations
 from footopt.studies import laws
 from footopt.studies.build import make_problem
 from footopt.studies.effects import choose_effects

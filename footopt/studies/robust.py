@@ -22,8 +22,7 @@ from footopt.files import io as files
 from footopt.files.feet import write_foot
 from footopt.foot import Foot
 from footopt.report import figures, terminal
-from footopt.report.output import foot_entry, scene_entry
-from footopt.report.progress import report_generations
+from footopt.report.output import foot_entry, report_generations, scene_entry
 from footopt.studies import build
 from footopt.studies.runs import Study
 from footopt.studies.settings import Config

@@ -15,7 +15,7 @@ from footopt.foot import Foot, Waypoints
 from footopt.report import terminal
 from footopt.report.figures.studies import transfer as draw
 from footopt.report.numbers import number
-from footopt.report.progress import report_generations
+from footopt.report.output import report_generations
 from footopt.sand import MEDIA, Sand
 from footopt.studies.robust import searched
 from footopt.studies.runs import Study
