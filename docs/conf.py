@@ -47,6 +47,7 @@ EVIDENCE = (
     "mujoco",
     "transfer",
     "speed",
+    "tests",
     "errata",
 )
 
