@@ -99,6 +99,7 @@ def _unknown(name: str, value: str, study: str) -> FootoptError:
     if name in names and studies_that_read(name):
         return not_read(name, value, study)
     same = [other for other in names if other.endswith(f".{name.rpartition('.')[2]}")]
-    close = [*same, *get_close_matches(name, [*groups(), *names], n=1)]
+    typo = get_close_matches(name, names, n=1, cutoff=0.9)
+    close = [*typo, *same, *get_close_matches(name, [*groups(), *names], n=1)]
     hint = f"Did you mean {close[0]}={value}?" if close else MORE
     return FootoptError(f"{name}: there is no such setting. {hint}")

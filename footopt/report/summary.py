@@ -215,7 +215,8 @@ def runs_content(
     folder: Path, runs: Sequence[Row], names: Sequence[str], overrides: Sequence[str], about: Sequence[str]
 ) -> dict[str, Any]:
     """The page in a folder over runs: soles, values and traces, with the overrides of each run and of all."""
-    done = [i for i, run in enumerate(runs) if run.objectives]
+    # a study of one's own may leave objectives and no sole
+    done = [i for i, run in enumerate(runs) if run.objectives and (run.folder / "contour.csv").is_file()]
     results = [runs[i].result for i in done]
     columns, values = compared([runs[i] for i in done])
     return {
