@@ -23,7 +23,8 @@ def run(study):
     study.save("contour", figures.contour(study.foot), "The sole.")
     table = terminal.table(("hollow (mm)",))
     table.add_row(f"{study.options.times * study.foot.hollow:.1f}")
-    study.conclude("A sole", [table], {"objectives": {"hollow": study.foot.hollow}}, summary=["It is hollow."])
+    found = {"objectives": {"hollow": study.foot.hollow}}
+    study.conclude("A sole", [table], found, summary=["It is hollow."])
 
 
 @dataclass
