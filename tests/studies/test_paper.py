@@ -11,12 +11,11 @@ from running import unrender
 from study_pages import check_page
 
 import footopt as fo
-from footopt.foot import SHAPES
 from footopt.studies import Paper
 from footopt.studies.build import make_effects
 from footopt.studies.paper import VERDICTS, judge, run, walks
 from footopt.studies.paper.claims import CLAIMS
-from footopt.studies.paper.walks import CHOICES, changes, evidence, make_shapes
+from footopt.studies.paper.walks import CHOICES, changes, evidence
 from footopt.studies.runs import Study
 from footopt.studies.settings import Config
 
@@ -50,16 +49,6 @@ class TestChoices:
         own = numbers(config(**SMALL))
         for name, other in changes(config(**SMALL)):
             assert numbers(other) != own, name
-
-    def test_shapes_hang_from_their_centre_or_their_top(self):
-        centre, top = (
-            make_shapes(config()),
-            make_shapes(config(study__mount="top", foot__ankle=[-0.03, 0.01])),
-        )
-        assert list(centre) == list(SHAPES)
-        for name, foot in centre.items():
-            assert foot.ankle == (0.0, 0.0)
-            assert top[name].ankle == pytest.approx((-0.03, 0.01 - foot.contour[:, 1].min()))
 
 
 class TestJudgement:
