@@ -26,7 +26,6 @@ from footopt.report.style import COLUMN, PAGE, Axes, fit_height, new_figure, png
 from footopt.report.terminal import describe_scene
 from footopt.walk import Scene
 
-RESOLUTION = 160  # dots per inch of a picture in a notebook
 HEIGHT = 2.6  # of a picture, inches
 
 
@@ -67,7 +66,7 @@ def card(thing: object) -> str:
     """HTML: an object's line above its first picture; a `SettingError` if it cannot be drawn."""
     words = html.escape(describe_scene(thing) if isinstance(thing, Scene) else repr(thing))
     figure = picture(thing, next(iter(drawings(thing))))
-    image = base64.b64encode(png(figure, RESOLUTION)).decode("ascii")
+    image = base64.b64encode(png(figure)).decode("ascii")
     looks = f'width="{round(96 * figure.get_figwidth())}" style="max-width:100%;height:auto;background:white"'
     return f'<p>{words}</p><img alt="{words}" {looks} src="data:image/png;base64,{image}">'
 
@@ -77,7 +76,7 @@ class Panel(PlainAxes):
 
     def _repr_png_(self) -> bytes:
         figure = self.get_figure(root=True)
-        return png(figure, RESOLUTION) if figure else b""
+        return png(figure) if figure else b""
 
 
 @styled()

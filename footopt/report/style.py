@@ -14,7 +14,6 @@ from typing import Any
 
 import matplotlib
 from matplotlib import rc_params_from_file
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from footopt.errors import check
@@ -67,11 +66,8 @@ def styled() -> Iterator[None]:
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """An empty figure (inches) with a canvas of its own."""
-    # laid out at the resolution of its picture: formulas are parsed once for both
-    figure = Figure(figsize=(width, height), dpi=DPI, layout="constrained")
-    FigureCanvasAgg(figure)
-    return figure
+    """An empty figure (inches), laid out at its picture's resolution: formulas are parsed once for both."""
+    return Figure(figsize=(width, height), dpi=DPI, layout="constrained")
 
 
 def lay_out(figure: Figure) -> None:
@@ -113,16 +109,16 @@ def save(
     paths = tuple(folder / f"{name}.{ending}" for ending in formats)
     for path, ending in zip(paths, formats, strict=True):
         file = io.BytesIO()  # matplotlib's errors on a full disk are of many kinds
-        figure.savefig(file, format=ending, dpi=DPI, metadata={DATES[ending]: None})
+        figure.savefig(file, format=ending, metadata={DATES[ending]: None})
         write_bytes(path, file.getvalue())
     return paths
 
 
 @styled()
-def png(figure: Figure, dpi: int) -> bytes:
+def png(figure: Figure) -> bytes:
     """A figure as a picture in memory."""
     file = io.BytesIO()
-    figure.savefig(file, format="png", dpi=dpi)
+    figure.savefig(file, format="png")
     return file.getvalue()
 
 

@@ -88,7 +88,7 @@ def test_every_drawing_is_on_the_axes_that_it_was_given(things, name):
 
 
 def test_names_are_escaped(walked, monkeypatch, tmp_path):
-    monkeypatch.setattr(plot, "png", lambda figure, dpi: b"")
+    monkeypatch.setattr(plot, "png", lambda figure: b"")
     foot = replace(walked.foot, name=NASTY)
     for shown in (foot, fo.Sand(name=NASTY), replace(walked, foot=foot)):
         assert "<script" not in plot.card(shown)
