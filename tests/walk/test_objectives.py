@@ -136,7 +136,3 @@ class TestTable:
         assert np.isfinite(table.column("work")).all()  # what costs nothing is there unasked
         with pytest.raises(KeyError, match=f"{name}.* distance, thickness.*work"):
             table.column(name)
-
-    def test_so_is_an_objective_that_a_walk_has_not(self, ramp_foot, regular):
-        with pytest.raises(KeyError, match=r"energy.* distance, mean_height.*Walk.measures"):
-            fo.simulate(ramp_foot, regular).objectives["energy"]
