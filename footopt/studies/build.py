@@ -125,7 +125,7 @@ def _reading(config: GaitConfig) -> tuple[dict[str, str], str | None, Any]:
 def make_space(config: FootConfig) -> Waypoints:
     """The design space of the settings."""
     values = {field.name: getattr(config, field.name) for field in fields(Waypoints)}
-    return Waypoints(**values | {"ankle": _ankle(config)})
+    return Waypoints(**values | {"ankle": tuple(config.ankle)})
 
 
 def check_searchable(config: FootConfig) -> None:
@@ -142,7 +142,7 @@ def make_foot(config: FootConfig) -> Foot:
         space = make_space(config)
         return Foot.flat(space) if config.k is None else Foot.from_waypoints(config.k, space)
     worn: dict[str, Any] = {name: getattr(config, name) for name in ("width", "closed", "top")}
-    worn["ankle"] = _ankle(config)
+    worn["ankle"] = tuple(config.ankle)
     if config.shape == "outline":
         if config.path is None:
             raise SettingError("foot.path", None, "a drawing, with foot=outline", "Try foot.path=sole.dxf.")
@@ -153,11 +153,6 @@ def make_foot(config: FootConfig) -> Foot:
     if option := {"reversed_triangle": "apex", "reversed_l": "upright"}.get(config.shape):
         worn[option] = getattr(config, option)
     return Foot.shape(config.shape, config.length, **worn)
-
-
-def _ankle(config: FootConfig) -> tuple[float, float]:
-    check(len(config.ankle) == 2, "foot.ankle", config.ankle, "two numbers [x_p, z_p], in m")
-    return config.ankle[0], config.ankle[1]
 
 
 def make_effects(config: EffectsConfig) -> tuple[Effect, ...]:
