@@ -70,25 +70,13 @@ class Effect:
     is_inertia = False  # whether its push is what the sand's momentum takes
     in_page = False  # whether the walk in a run's page has it, too (`contact.js`)
 
-    @property
-    def law(self) -> Any:
-        """Its numbers as a NamedTuple with the methods that are compiled; None if it changes no stress."""
-        return None
-
-    @property
-    def bristle_length(self) -> float | None:
-        """Length over which the sand under a plate gives way elastically, m; None without bristles."""
-        return None
-
-    @property
-    def zones(self) -> tuple[tuple[float, float, float], ...]:
-        """Where on the way the sand is another: from and to, m, and how many times as strong."""
-        return ()
-
-    @property
-    def strata(self) -> tuple[tuple[float, float, float], ...]:
-        """How deep the sand is another: from and to, m, and how many times as strong."""
-        return ()
+    law: Any = None  # its numbers as a NamedTuple with the methods that are compiled; None without any
+    bristle_length: Any = (
+        None  # m, over which the sand under a plate gives way elastically; None without bristles
+    )
+    #: Where on the way and how deep the sand is another: from and to, m, and how many times as strong, each.
+    zones: Any = ()
+    strata: Any = ()
 
     def gravity(self, g: float) -> tuple[float, float]:
         """Gravity along the surface (negative uphill) and against its normal, m/s^2, from g."""

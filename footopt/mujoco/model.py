@@ -25,7 +25,6 @@ COM, VELOCITY, UPRIGHT = "footopt_com", "footopt_velocity", "footopt_upright"
 #: Of each actuator: force, speed and place of its joint.
 ACTUATOR = ("footopt_force_", "footopt_speed_", "footopt_place_")
 PACKAGE = "pkg://"  # before the name of a package and a path in it
-FLOORS = ("mjGEOM_PLANE", "mjGEOM_HFIELD")
 
 
 @dataclass(frozen=True)
@@ -68,8 +67,9 @@ class Model:
                 if name not in bodies or name == "world":
                     names = ", ".join(name for name in bodies if name and name != "world")
                     raise SettingError("robot.feet", name, f"the name of a body: {names}")
+            floors = mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_HFIELD
             for geom in spec.geoms:
-                floor = geom.parent.name == "world" and geom.type in _floors(mujoco)
+                floor = geom.parent.name == "world" and geom.type in floors
                 if floor or geom.parent.name in feet:
                     geom.contype = geom.conaffinity = 0
             _measure(mujoco, spec, bodies[feet[0]])
@@ -207,10 +207,6 @@ def _spec(mujoco: Any, source: Any) -> Any:
         path = Path(folder[0]) / inside
     check(path.is_file(), "robot.model", str(path), "a file, MJCF as text, or a mujoco.MjSpec")
     return mujoco.MjSpec.from_file(str(path))
-
-
-def _floors(mujoco: Any) -> list[Any]:
-    return [getattr(mujoco.mjtGeom, name) for name in FLOORS]
 
 
 def _measure(mujoco: Any, spec: Any, foot: Any) -> None:

@@ -114,12 +114,8 @@ def _soles(feet: Waypoints | Foot | Sequence[Foot]) -> Waypoints | tuple[Foot, .
     spaces = {foot.space for foot in feet}
     if len(spaces) == 1 and (space := spaces.pop()) is not None:
         return space
-    return tuple(dict.fromkeys(feet[i] for i in _spread(len(feet))))
-
-
-def _spread(count: int) -> list[int]:
-    """The places of up to `PROBES` of so many, spread evenly."""
-    return [int(place) for place in np.unique(np.linspace(0, count - 1, PROBES).round())]
+    spread = np.unique(np.linspace(0, len(feet) - 1, PROBES).round()).astype(int)
+    return tuple(dict.fromkeys(feet[i] for i in spread.tolist()))
 
 
 @lru_cache(maxsize=256)

@@ -65,7 +65,7 @@ class Simulator(ABC):
 
     @property
     def least(self) -> float:
-        """The least work, J, and power, W, in which errors are relative to them, not to this number."""
+        """Work, J, and power, W, below which errors are relative to this number, not to them."""
         return 1.0
 
     @abstractmethod
