@@ -17,7 +17,7 @@ from footopt.design import FootProblem, SearchResult, Solver, confirm, search
 from footopt.design.robust import RobustProblem, regret
 from footopt.design.scenarios import Scenario, Spread, draw, plausible_laws, sands
 from footopt.design.store import plain
-from footopt.errors import FootoptError, SettingError, check, check_whole
+from footopt.errors import FootoptError, SettingError, check
 from footopt.files import io as files
 from footopt.files.feet import write_foot
 from footopt.foot import Foot
@@ -32,7 +32,6 @@ from footopt.walk.ladder import numerics
 
 Heights = dict[str, Ints]  # of soles, by the feet's names
 
-SOURCES = ("sands", "laws", "drawn")
 SHOWN = 6  # scenarios that have a column in the table
 ROBUST = "robust"
 
@@ -123,11 +122,11 @@ def run(study: Study) -> None:
 def make_scenarios(config: Config, scene: Simulator) -> tuple[Scenario, ...]:
     """The scenarios that the settings ask for about a scene."""
     options = config.study
-    check(options.scenarios in SOURCES, "study.scenarios", options.scenarios, f"one of {', '.join(SOURCES)}")
     if options.scenarios == "drawn":
-        check_whole(options.draws, "study.draws", 2, 10_000)
         return draw(scene, make_spread(config), options.draws, config.solver.seed)
-    return sands(scene) if options.scenarios == "sands" else plausible_laws(scene)
+    fixed = {"sands": sands, "laws": plausible_laws}
+    check(options.scenarios in fixed, "study.scenarios", options.scenarios, "sands, laws or drawn")
+    return fixed[options.scenarios](scene)
 
 
 def make_spread(config: Config) -> Spread:
