@@ -138,6 +138,10 @@ def test_plain_walks_are_bit_for_bit_those_of_before():
     compare(lambda name: name.endswith("plain, standard") or name.endswith("plain, draft"))
 
 
+def test_walks_with_every_stepper_are_bit_for_bit_those_of_before():
+    compare(lambda name: name.rpartition(", ")[2] in STEPPERS)
+
+
 @pytest.mark.slow
 def test_walks_with_every_effect_preset_and_stepper_are_bit_for_bit_those_of_before():
     compare(lambda name: True)
