@@ -1,10 +1,8 @@
 """`Foot`, one sole, and how soles become plates."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -84,7 +82,7 @@ class Foot:
     @classmethod
     def from_waypoints(
         cls, k: Sequence[int] | Array, space: Waypoints | None = None, **parameters: Any
-    ) -> Foot:
+    ) -> Self:
         """Make a sole through waypoints.
 
         Parameters
@@ -108,13 +106,13 @@ class Foot:
         return cls(contour, space.width, space.ankle, name, heights, space, space.closed, space.top)
 
     @classmethod
-    def flat(cls, space: Waypoints | None = None) -> Foot:
+    def flat(cls, space: Waypoints | None = None) -> Self:
         """Make the flat sole at the bottom of the box (k = K everywhere), which a gain is measured from."""
         space = space or Waypoints()
         return replace(cls.from_waypoints([space.K] * space.n, space), name="flat")
 
     @classmethod
-    def shape(cls, name: str, length: float = 0.26, **parameters: Any) -> Foot:
+    def shape(cls, name: str, length: float = 0.26, **parameters: Any) -> Self:
         """Make one of the paper's five shapes (Fig. 3).
 
         Parameters

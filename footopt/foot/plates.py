@@ -1,9 +1,7 @@
 """From a contour to plates, at equal steps along its arc."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -40,7 +38,7 @@ class Plates(NamedTuple):
     @classmethod
     def from_points(
         cls, points: Array, ankle: Array, width: Array, rule: str, directed: bool, top: Array | None
-    ) -> Plates:
+    ) -> Self:
         """Cut soles into plates, and with a `top` (designs,), m, the sides and tops that close them.
 
         Points (designs, plates * RULES[rule] + 1, 2), m, are at equal steps along the arc, from heel to toe
@@ -56,15 +54,15 @@ class Plates(NamedTuple):
         return cls._make(both)._replace(span=span)
 
     @classmethod
-    def _along(cls, points: Array, ankle: Array, width: Array, parts: int, directed: bool) -> Plates:
+    def _along(cls, points: Array, ankle: Array, width: Array, parts: int, directed: bool) -> Self:
         """Plates of some chords each."""
         x, z, c2, s2, length, tx, tz = cut(points, parts)
         plates = cls(x - ankle[:, :1], z - ankle[:, 1:], c2, s2, length * width[:, None])
         return plates._replace(tx=tx, tz=tz, turn=turns_within(points, parts)) if directed else plates
 
-    def take(self, index: slice | Ints) -> Plates:
+    def take(self, index: slice | Ints) -> Self:
         """The plates of some of the designs."""
-        return Plates._make(None if c is None else np.ascontiguousarray(c[index]) for c in self)
+        return type(self)._make(None if c is None else np.ascontiguousarray(c[index]) for c in self)
 
 
 @cached_njit(nogil=True, error_model="numpy")

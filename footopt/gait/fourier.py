@@ -1,8 +1,6 @@
 """`Fourier`: a joint's angle over a stride."""
 
-from __future__ import annotations
-
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -17,7 +15,7 @@ class Fourier(NamedTuple):
     b: tuple[float, ...]
 
     @classmethod
-    def fit(cls, phase: Array, degrees: Array, harmonics: int) -> Fourier:
+    def fit(cls, phase: Array, degrees: Array, harmonics: int) -> Self:
         """The least-squares series through a curve, at phases (n,) in strides and angles (n,) in degrees."""
         w = 2.0 * np.pi * np.outer(phase, np.arange(1, harmonics + 1))
         design = np.concatenate([np.ones((len(phase), 1)), np.cos(w), np.sin(w)], axis=1)

@@ -9,13 +9,11 @@ shank length l2 the ankle, relative to the hip, is at
 Phase 0 is the heel strike of the same leg; the other leg is half a stride ahead.
 """
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -98,7 +96,7 @@ class Gait:
     @classmethod
     def human(
         cls, period: float = 1.2, harmonics: int = HARMONICS, pitch: str = "shank", start: float = 0.5
-    ) -> Gait:
+    ) -> Self:
         """Human walking at 1.03 m/s: Fukuchi, Fukuchi & Duarte, PeerJ 6:e4640 (2018), CC BY 4.0."""
         data = json.loads(HUMAN.read_text(encoding="utf-8"))
         most = len(data["thigh"]["a"])

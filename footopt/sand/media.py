@@ -1,8 +1,7 @@
 """Sands: a stress map and its scale zeta; media from the literature by name."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
+from typing import Self
 
 from footopt.errors import check, is_number
 from footopt.sand.law import GENERIC, StressMap
@@ -54,7 +53,7 @@ class Sand:
         check(good, "sand.zeta", self.zeta, allowed, "Try sand=regular or sand.zeta=1.")
 
     @classmethod
-    def named(cls, name: str) -> Sand:
+    def named(cls, name: str) -> Self:
         """A sand of `MEDIA` by its name."""
         check(name in MEDIA, "sand", name, f"one of {', '.join(MEDIA)}", "Or give sand.zeta.")
         return cls(zeta=MEDIA[name], name=name)

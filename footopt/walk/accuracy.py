@@ -1,10 +1,8 @@
 """How finely a scene is simulated: numbers (`Accuracy`), or the error that is allowed (`Tolerance`)."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
-from typing import Any, TypeAlias
+from typing import Any, Self, TypeAlias
 
 from footopt.errors import SettingError, check, check_whole
 from footopt.foot.plates import RULES
@@ -66,7 +64,7 @@ class Accuracy:
         known = self.control is None or LEAST <= self.control <= 1.0
         check(known, "accuracy.control", self.control, f"null, or {speed}", "Try 1e-4.")
 
-    def refined(self, times: int = 1) -> Accuracy:
+    def refined(self, times: int = 1) -> Self:
         """Half the time step (under control an eighth of it), twice the plates, half the creep speed.
 
         Parameters

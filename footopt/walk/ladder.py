@@ -7,13 +7,11 @@ the largest error for what its refinement costs goes up, until the errors add up
 tolerance. Costs are evaluations and plates, never seconds: the choice is the same on every machine.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -51,7 +49,7 @@ class Rung(NamedTuple):
     plates: int = 0
     creep: int = 0
 
-    def up(self, side: int, by: int, top: Rung) -> Rung:
+    def up(self, side: int, by: int, top: Self) -> Self:
         """The rung that is finer on one side, at most the top one's."""
         return self._replace(**{self._fields[side]: min(self[side] + by, top[side])})
 
