@@ -22,7 +22,8 @@ KINDS = {
     "converted to Float": "a number",
     "converted to Integer": "a whole number",
     "not a valid bool": "true or false",
-    "ListConfig": "a list in brackets, such as [1,2]",
+    "not a ListConfig": "a list in brackets, such as [1,2]",
+    "to string": "one word",
     "is not Optional": "given a value",
 }
 

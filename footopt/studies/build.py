@@ -41,6 +41,7 @@ from footopt.studies.settings import (
     FootConfig,
     GaitConfig,
     SandConfig,
+    leaves,
 )
 from footopt.walk import Accuracy, Scene, Simulator, Walker
 from footopt.walk.accuracy import PRESETS, AnyAccuracy, Tolerance
@@ -269,8 +270,17 @@ def check_read(config: Config, overrides: Iterable[str]) -> None:
                 raise SettingError(name, value, "left out: it has no effect here", f"It is read by {where}.")
 
 
+def check_plain(config: Config) -> None:
+    """Raise where a list holds another one, or a table does, which OmegaConf lets through."""
+    for name, value, *_ in leaves(config):
+        items = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
+        nested = any(isinstance(one, (list, dict)) for one in items)
+        check(not nested, name, value, "made of plain values")
+
+
 def checked(config: Config, overrides: Iterable[str]) -> Config:
     """The settings; `SettingError` if they do not go together."""
+    check_plain(config)
     name = config.study.name
     check(name in STUDIES, "study.name", name, f"one of {', '.join(STUDIES)}")
     check(isinstance(config.study, STUDIES[name][0]), "study.name", name, f"chosen as a group: study={name}")
