@@ -94,7 +94,7 @@ class Algorithm:
     def tell(self, f: Array, g: Array) -> None:
         """F and G of the generation that was proposed, (designs, ...)."""
         violation = np.maximum(g, 0.0).sum(axis=1, keepdims=True)  # what each would be asked for later
-        for one, *columns in zip(self._proposed, f, g, violation, strict=True):
+        for one, *columns in zip(np.atleast_1d(self._proposed), f, g, violation, strict=True):  # may be alone
             one.F, one.G, one.CV = columns
             one.evaluated.update("FG")
         self._algorithm.evaluator.n_eval += len(f)
