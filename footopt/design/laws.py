@@ -29,7 +29,8 @@ from footopt.walk.simulate import evaluate
 
 FIRST = 10  # soles that a search begins with
 LAST = 5  # best soles of the search under all laws that are evaluated again
-EVEN = 60  # designs of a generation, and an eighth of few: such a search begins near its end
+EVEN = 30  # designs of a generation, and an eighth of few: such a search begins near its end
+NOTHING = 1e-9  # of the largest value: the best foot of a measure of soles may have nothing of it
 LEAST = 20  # evaluations of a search under a law
 REACH, STEPS = 32.0, 20  # factor by which zeta is moved either way until the order of two feet turns; steps
 
@@ -149,9 +150,15 @@ def compare(problem: FootProblem, laws: tuple[Scenario, ...], feet: Ints) -> Und
         kept = (problem.constraints(table.values, table.reasons, violation) <= 0.0).all(axis=1)
         if problem.n_obj == 1 and kept.any():
             found = table.values[:, problem.record.index(name)]
-            best = MEASURES[name].sign * (MEASURES[name].sign * found[kept]).min()
-            row[:] = np.where(kept, regret(found, best, name), np.inf)
+            lost = MEASURES[name].sign * found
+            row[:] = np.where(kept, (lost - lost[kept].min()) / _size(found[kept], name), np.inf)
     return UnderLaws(laws, k, losses, changes)
+
+
+def _size(values: Array, name: str) -> float:
+    """What losses of an objective are relative to: its best value, or the largest where that is nothing."""
+    best, most = abs(values[(MEASURES[name].sign * values).argmin()]), np.abs(values).max()
+    return float(best if best > NOTHING * most else most or 1.0)
 
 
 def candidates(
@@ -205,7 +212,8 @@ def candidates(
                 best = _whole(search(alone, solver(most), store=kept, executor=executor, start=begin))
                 walked.append(law)
                 evaluators.append(Evaluator(alone, kept, executor))
-                references.append(best.column(problem.ranking_objective)[best.best])
+                column = best.column(problem.ranking_objective)[best.feasible]
+                references.append(_size(column, problem.ranking_objective))
                 found.append(best.k[[best.best]])
         if len(walked) > 1:
             limits = {

@@ -91,6 +91,13 @@ def test_a_sole_that_a_law_rules_out_is_evaluated_under_no_other():
     assert sum(walks) < 0.7 * 3 * 400
 
 
+def test_losses_of_a_measure_whose_best_foot_has_nothing_of_it_are_relative_to_the_largest():
+    problem = fo.FootProblem(fo.Scene(), "hollow", SMALL, QUICK)
+    under = compare(problem, LAWS[:2], np.concatenate([SMALL.random(5, seed=2, inside=True), FLAT[None]]))
+    assert under.losses[:, -1] == pytest.approx(0.0)
+    assert under.losses.max() == pytest.approx(1.0)
+
+
 def test_a_law_under_which_no_foot_walks_is_left_out():
     sinking = [fo.Scenario("quicksand", fo.Scene(sand=fo.Sand(1e-3)))]
     problem = fo.FootProblem(fo.Scene(), "efficiency", SMALL, QUICK)
