@@ -1,10 +1,10 @@
 """The foot to print: its largest loss over the laws, against that of a robust search ten times as long.
 
 `python benchmarks/to_print.py [SCENES]` takes the paper's three sands, and so many scenes of `solvers.py`. In
-each the default search is followed by the one for the foot to print. To compare, the best foot of each law is
-found by two searches of 5,000 walks, and the robust one by two more, all at `standard`. It prints the largest
-losses (%) of the best foot by the scene's own law, of the foot to print and of the robust one, and the time
-of the second search over the first's.
+each the default search is followed by the one for the foot to print, with three seeds. To compare, the best
+foot of each law is found by two searches of 5,000 walks, and the robust one by two more, all at `standard`.
+It prints the largest losses (%) of the best foot by the scene's own law, of the foot to print for each seed
+and of the robust one, and the time of the second search over the first's.
 """
 
 import sys
@@ -21,20 +21,24 @@ from footopt.design.scenarios import sands
 from footopt.walk.ladder import numerics
 
 LONG, FIRST = 5_000, 201  # walks; number of the first random scene
+SEEDS = (1, 2, 3)
 
 
-def judged(name: str, given: FootProblem) -> tuple[float, float, float, float]:
-    """Largest losses of the best foot, of the one to print and of the robust one; time over the search's."""
+def judged(name: str, given: FootProblem) -> tuple[list[float], float, float]:
+    """Largest losses of the foot to print by seed, and of the robust one; median time over the search's."""
     scene, space = given.scene, given.space
     problem, laws = FootProblem(scene, "efficiency", space), possible_laws(scene, fo.Spread().zeta)
     numbers, flat = numerics(problem.accuracy, scene, space), np.full((1, space.n), space.K)
-    begin = time.process_time()
-    result = search(problem, seed=1)
-    first = time.process_time()
-    confirmed = confirm(result, "fine")
-    chosen = time.process_time()
-    under = under_laws(result, confirmed)
-    spent = (time.process_time() - chosen) / (first - begin)
+    feet, times = [], []
+    for seed in SEEDS:
+        begin = time.process_time()
+        result = search(problem, seed=seed)
+        first = time.process_time()
+        confirmed = confirm(result, "fine")
+        chosen = time.process_time()
+        under = under_laws(result, confirmed)
+        times.append((time.process_time() - chosen) / (first - begin))
+        feet += [under.k[0], under.k[under.steadiest or 0]]
 
     specialists, references = [], []
     for law in laws:
@@ -45,13 +49,16 @@ def judged(name: str, given: FootProblem) -> tuple[float, float, float, float]:
     robust: Any = RobustProblem(laws, "efficiency", space, numbers, references=references)
     start = np.unique(specialists[::2], axis=0)
     longer = [r.k[r.best] for r in (search(robust, walks=LONG, seed=seed, start=start) for seed in (1, 2))]
-    feet = np.array([under.k[0], under.k[under.steadiest or 0], *longer, *specialists, *flat])
-    every = compare(problem.at(numbers), laws, feet)
-    best, to_print, *others = every.worst[:4]
-    print(
-        f"{name:12} {100 * best:7.1f} {100 * to_print:7.2f} {100 * min(others):7.2f} {spent:7.2f}", flush=True
+    every = compare(problem.at(numbers), laws, np.array([*feet, *longer, *specialists, *flat]))
+    best, printed, robust_foot = (
+        every.worst[0],
+        every.worst[1 : len(feet) : 2],
+        every.worst[len(feet) :][:2].min(),
     )
-    return best, to_print, min(others), spent
+    shown = " ".join(f"{100 * loss:6.2f}" for loss in printed)
+    spent = float(np.median(times))
+    print(f"{name:8} {100 * best:6.1f}  {shown}  {100 * robust_foot:6.2f} {spent:6.2f}", flush=True)
+    return printed.tolist(), robust_foot, spent
 
 
 def main() -> None:
@@ -59,11 +66,12 @@ def main() -> None:
     random = int(sys.argv[1]) if len(sys.argv) > 1 else 0
     problems = {s.name: FootProblem(s.scene) for s in sands(fo.Scene())}
     problems |= {str(number): draw(number) for number in range(FIRST, FIRST + random)}
-    print("scene           best   print  robust  time", flush=True)
-    rows = np.array([judged(name, problem) for name, problem in problems.items()])
-    excess = 100 * (rows[:, 1] - rows[:, 2])
-    within = f"{np.mean(excess <= 1.0):.0%} within 1 %"
-    print(f"{within}, worst {excess.max():.2f} %; time {np.median(rows[:, 3]):.2f}")
+    print("scene      best  to print, by seed    robust   time", flush=True)
+    rows = [judged(name, problem) for name, problem in problems.items()]
+    excess = 100 * np.array([(1.0 - robust) / (1.0 - np.array(printed)) - 1.0 for printed, robust, _ in rows])
+    within = f"{np.mean(excess <= 1.0):.0%} of searches within 1 % of J_W"
+    middle, time_ratio = np.median(excess), np.median([spent for *_, spent in rows])
+    print(f"{within}, median {middle:.2f} %, worst {excess.max():.2f} %; time {time_ratio:.2f}")
 
 
 if __name__ == "__main__":
