@@ -128,6 +128,13 @@ class Simulator(ABC):
         """Raise a `SettingError` if its walks cannot be compared: by default they can."""
         return
 
+    @staticmethod
+    def from_function(
+        function: Callable[[Foot], Mapping[str, float] | str], quantities: Sequence[str]
+    ) -> FunctionSimulator:
+        """Make a simulator of a function of a foot, as `FunctionSimulator` has it."""
+        return FunctionSimulator(function, tuple(quantities))
+
 
 @dataclass(frozen=True)
 class FunctionSimulator(Simulator):
@@ -150,7 +157,6 @@ class FunctionSimulator(Simulator):
     def __post_init__(self) -> None:
         check(callable(self.function), "function", self.function, "a function of a Foot")
         name = getattr(self.function, "__qualname__", repr(self.function))
-        object.__setattr__(self, "quantities", tuple(self.quantities))
         object.__setattr__(self, "title", name.replace("_", " "))
 
     def walk(

@@ -5,7 +5,7 @@ import pytest
 
 import footopt as fo
 from footopt.errors import SettingError
-from footopt.walk import FIVE, FunctionSimulator
+from footopt.walk import FIVE
 from footopt.walk.objectives import offered
 
 SPACE = fo.Waypoints(n=5, K=4)
@@ -34,7 +34,7 @@ def simulator(request):
         pytest.importorskip("mujoco")
         return fo.mujoco.Robot(duration=1.4)
     if request.param == "function":
-        return FunctionSimulator(ramp, FIVE)
+        return fo.Simulator.from_function(ramp, FIVE)
     return fo.Scene(t_f=1.4)
 
 
@@ -64,7 +64,7 @@ class TestEverySimulator:
     def test_another_simulator_is_another_problem_to_a_store(self, simulator, tmp_path):
         path = tmp_path / "designs.sqlite"
         fo.search(fo.FootProblem(simulator, space=SPACE, accuracy=COARSE), "ga", walks=8, store=path)
-        another = FunctionSimulator(other, FIVE)
+        another = fo.Simulator.from_function(other, FIVE)
         problem = fo.FootProblem(another, space=SPACE, accuracy=COARSE)
         assert fo.search(problem, "ga", walks=8, store=path).reused == 0
 
@@ -76,9 +76,9 @@ class TestEverySimulator:
 
 class TestFunctions:
     def test_a_reason_in_place_of_values_is_a_failed_walk(self):
-        table = fo.evaluate([[4, 3, 2, 1, 1], SOLES[2]], FunctionSimulator(ramp, FIVE), space=SPACE)
+        table = fo.evaluate([[4, 3, 2, 1, 1], SOLES[2]], fo.Simulator.from_function(ramp, FIVE), space=SPACE)
         assert table.reasons.tolist() == ["steep", ""]
 
     def test_walks_have_no_traces(self):
         with pytest.raises(SettingError, match="simulator"):
-            fo.simulate(fo.Foot.flat(), FunctionSimulator(ramp, FIVE))
+            fo.simulate(fo.Foot.flat(), fo.Simulator.from_function(ramp, FIVE))
