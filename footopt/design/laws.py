@@ -28,6 +28,7 @@ from footopt.walk.objectives import MEASURES, relative_change
 from footopt.walk.simulate import evaluate
 
 FIRST = 10  # soles that a search begins with
+TIMES = 2  # as many soles under all laws together as under each
 LAST = 5  # best soles of the search under all laws that are evaluated again
 EVEN = 30  # designs of a generation, and an eighth of few: such a search begins near its end
 NOTHING = 1e-9  # of the largest value: the best foot of a measure of soles may have nothing of it
@@ -172,7 +173,7 @@ def candidates(
 
     Each other law in turn is searched with `share` of the search's evaluations, from the best soles of
     the laws before it and from those of the search; then, from the best sole of each law, all together with
-    three times as many soles (`Race`). They walk no finer than `draft`: what is found is to be evaluated
+    twice as many soles (`Race`). They walk no finer than `draft`: what is found is to be evaluated
     again. A law under which no foot walks is left out.
 
     Parameters
@@ -222,7 +223,7 @@ def candidates(
             together = RobustProblem(walked, problem.names, **common, references=references, limits=limits)
             with suppress(FootoptError):  # none walks under all of them
                 race, begin = Race(together, evaluators), _different(found[1:])
-                best = ask_and_tell(together, solver(3 * walks), None, race, None, begin)
+                best = ask_and_tell(together, solver(TIMES * walks), None, race, None, begin)
                 found.append(_best(_whole(best), LAST))
     return np.unique(np.concatenate(found[1:] or found), axis=0)
 
