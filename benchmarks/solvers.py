@@ -6,7 +6,7 @@ tables follow. `pip install -e ".[benchmark]"` installs `cma`; without it that o
 is drawn by its number: gait, walker, sand, effects, and how many waypoints and levels a sole has. The
 solvers were tuned on scenes 1, 4 and 8; those that are judged begin at 101. Scenes from 601 on are rugged:
 zeta from 10 to 100, slopes, the leading edge and inertia (`--scenes 601 602 ...`). 701 to 703 are a biped in
-MuJoCo on soft, regular and hard sand, whose walks are dear (`--walks 1000`).
+MuJoCo on soft, regular and hard sand, whose walks are expensive (`--walks 1000`).
 
 A walk is a different sole inside its box. One that comes up again, or that leaves its box, costs nothing: the
 optimiser is told how far the sole leaves it, which is worse than any walk. Optimisers of real numbers see

@@ -154,7 +154,7 @@ ABSURD = ("0", "-1", "1e300", "nan", ".inf", "null", "true", "x", "'<script>'", 
 
 
 def told(*words):
-    """What a user is told of settings that are refused before anything is walked; "" where they are used."""
+    """The error that refuses settings before anything is walked; "" where they are used."""
     try:
         config = composed("accuracy=draft", *words)
         build.make_scene(config)
