@@ -17,13 +17,13 @@ from footopt.effects import Effect, reshaping
 from footopt.effects.base import BRISTLE_LENGTH, ordered
 from footopt.errors import SettingError, check, needed
 from footopt.foot import Foot, Plates
-from footopt.mujoco.callback import ATTACHED, FORGOT, MOST, callback, lift, with_effects
+from footopt.mujoco.callback import ATTACHED, FORGOT, MOST, callback, compiled, with_effects
 from footopt.mujoco.faces import COLUMNS
 from footopt.mujoco.implicit import ROOM
 from footopt.mujoco.intrusion import Grains, xi_of
 from footopt.mujoco.memory import memory, remembering
 from footopt.mujoco.native import functions
-from footopt.mujoco.step import BODY, COUNTED, END, FREEDOM, MEAN, STEP, TRACED, Workspace
+from footopt.mujoco.step import BEGIN, BEND, BODY, COUNTED, END, FREEDOM, MEAN, STEP, TRACED, Workspace
 from footopt.sand import Sand
 from footopt.sand.law import EARTH
 from footopt.walk.accuracy import Accuracy
@@ -34,6 +34,8 @@ from footopt.walk.walker import Walker
 #: Contacts in use by the address of their MjData: all that the callback reads has to stay where it is.
 _KEPT: dict[int, Contact] = {}
 _LOCK = threading.Lock()
+#: Names of feet as MuJoCo reads them, and its own `set_mjcb_passive` while `_refuse` stands for it.
+_NAMES, _SET = dict[str, Any](), list[Any]()
 
 
 class Contact:
@@ -120,9 +122,11 @@ class Contact:
         step["rk4"] = model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
         step["length"] = found.bristle_length or BRISTLE_LENGTH
         step["bypass"] = once.bypass
-        jacobian, wrenches = np.zeros((n, model.nv)), with_effects(acting, bool(bodies["mesh"].any()) or None)
+        jacobian = np.zeros((n, model.nv))
+        steps, wrenches = compiled(), with_effects(acting, bool(bodies["mesh"].any()) or None)
         outside = (
             *functions("mj_getState", "mj_jacBody", "mju_warning"),
+            *(steps[i].address for i in range(BEGIN, BEND + 1)),
             wrenches.address,
             step["time"].ctypes.data,
             jacobian.ctypes.data,
@@ -163,7 +167,7 @@ class Contact:
         """How much higher the sand under the attached feet carries a weight, N, as they sink, m; or NaN."""
         step = self._space.step
         step["weight"] = weight
-        lift().ctypes(self.addresses.ctypes.data)
+        compiled()["lift"].ctypes(self.addresses.ctypes.data)
         step["weight"] = 0.0
         return float(step["lift"][0])
 
@@ -310,16 +314,17 @@ def _freedoms(mujoco: Any, model: Any) -> Any:
 
 def _keep(contact: Contact) -> None:
     """Have MuJoCo call the callback for the contact's data; rows of others may be in use meanwhile."""
-    mujoco, address = needed("mujoco", "footopt.mujoco", "mujoco"), contact.data._address
+    address = contact.data._address
     with _LOCK:
-        other, function = mujoco.get_mjcb_passive(), callback()
-        check(other in (None, function), "mjcb_passive", other, "None: the sand's takes its place")
         rows = np.flatnonzero(ATTACHED[:, 0] == address)
         free = rows if len(rows) else np.flatnonzero(ATTACHED[:, 0] == 0)
-        check(len(free) > 0, "data", f"number {MOST + 1}", f"at most {MOST} at once", "Detach one.")
-        mujoco.set_mjcb_passive(function)
+        if len(free) == 0:
+            raise SettingError("data", f"number {MOST + 1}", f"at most {MOST} at once", "Detach one.")
+        _passive(callback())
         _KEPT[address] = contact
-        ATTACHED[free[0], 1] = contact.addresses.ctypes.data
+        name = _NAMES.setdefault(contact.names[0], ctypes.create_string_buffer(contact.names[0].encode()))
+        foot = ctypes.addressof(name), 1e6 * contact._bodies["reach"][0]
+        ATTACHED[free[0], 1:] = contact.addresses.ctypes.data, compiled()["passive"].address, *foot
         ATTACHED[free[0], 0] = address
 
 
@@ -331,4 +336,20 @@ def _drop(contact: Contact) -> None:
             del _KEPT[address]
             ATTACHED[ATTACHED[:, 0] == address, 0] = 0
             if not _KEPT:
-                needed("mujoco", "footopt.mujoco", "mujoco").set_mjcb_passive(None)
+                _passive(None)
+
+
+def _passive(function: Any) -> None:
+    """Set MuJoCo's one passive callback, which no other replaces until it is None again."""
+    import mujoco
+
+    if mujoco.get_mjcb_passive() not in (None, callback()):
+        _refuse(mujoco.get_mjcb_passive())
+    _SET[:] = _SET or [mujoco.set_mjcb_passive]
+    _SET[0](function)
+    mujoco.set_mjcb_passive = _refuse if function else _SET.pop()
+
+
+def _refuse(function: Any) -> None:
+    """Stands for `mujoco.set_mjcb_passive` while feet are on sand."""
+    raise SettingError("mjcb_passive", function, "footopt's or None", "Detach the sand, or set None before.")

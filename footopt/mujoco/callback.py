@@ -11,13 +11,15 @@ from numba import carray, cfunc, types
 
 from footopt.mujoco import implicit
 from footopt.mujoco import step as steps
-from footopt.mujoco.native import call, entry, pointer
+from footopt.mujoco.native import call, entry, functions, pointer
 from footopt.walk.own_code import own_code
 
 MOST = 256  # models on sand at once in one process
-#: Models that are attached: addresses of its MjData and of its `Contact.addresses`.
-ATTACHED = np.zeros((MOST, 2), np.int64)
-#: A message for bristles that begin anew after a jump in time.
+#: Models that are attached: addresses of its MjData, of its `Contact.addresses`, of its compiled step and of
+#: its first foot's name, which is never freed, and micrometres from its origin to its farthest face.
+ATTACHED = np.zeros((MOST, 5), np.int64)
+#: Messages for a foot that falls through the sand, and for bristles that begin anew after a jump in time.
+LOST = ctypes.create_string_buffer(b"footopt: a foot fell through: this MjData has no sand; attach it, too")
 FORGOT = ctypes.create_string_buffer(b"footopt: time or time step jumped: sand about the feet began anew")
 
 
@@ -30,12 +32,12 @@ def passive(model, data, address):
     for b in range(len(space.bodies)):
         linear, body = outside[steps.JACOBIAN] + 48 * columns * b, np.int32(space.bodies[b].row)
         call(outside[steps.JAC_BODY], (model, data, linear, linear + 24 * columns, body))
-    if steps.begin(address, meaning):
-        implicit.prepare(address)
+    if call(outside[steps.BEGIN], (address, meaning)):
+        call(outside[steps.PREPARE], (address,))
         for stage in range(2):
             implicit.predict(address, stage)
-            implicit.newton(address, stage)
-            implicit.bend(address, stage)
+            call(outside[steps.NEWTON], (address, stage))
+            call(outside[steps.BEND], (address, stage))
         implicit.give(address)
         if meaning == steps.RESTART and step.restarts == 2 and step.time > 0.0:
             call(outside[steps.WARN], (outside[steps.WORDS],))  # it forgets for the first time
@@ -47,9 +49,17 @@ def passive(model, data, address):
 
 
 @lru_cache(maxsize=1)
-def lift() -> Any:
-    """`implicit.lift`, compiled."""
-    return entry(implicit.lift, types.intp)
+def compiled() -> dict[Any, Any]:
+    """The step of any sand, by its functions."""
+    one, whole = types.intp, types.int32
+    return {
+        steps.BEGIN: entry(steps.begin, one, one, returns=whole),
+        steps.PREPARE: entry(implicit.prepare, one),
+        steps.NEWTON: entry(implicit.newton, one, one),
+        steps.BEND: entry(implicit.bend, one, one),
+        "lift": entry(implicit.lift, one),
+        "passive": entry(passive, one, one, one),
+    }
 
 
 @lru_cache
@@ -66,15 +76,24 @@ def with_effects(effects: bytes, meshes: bool | None) -> Any:
 
 @lru_cache(maxsize=1)
 def callback() -> Any:
-    """The function that MuJoCo calls."""
-    attached, step = ATTACHED.ctypes.data, entry(passive, types.intp, types.intp, types.intp).address
+    """The function that MuJoCo calls; where mjData is not `ATTACHED`, it stops feet that fall through."""
+    table_address, lost = ATTACHED.ctypes.data, ctypes.addressof(LOST)
+    row_of, place_of, stop = functions("mj_name2id", "mj_local2Global", "mju_error")
 
     @cfunc(types.void(types.intp, types.intp))
-    def called(model, data):
-        table = carray(pointer(attached), (MOST, 2), np.int64)
+    def passive(model, data):
+        table = carray(pointer(table_address), (MOST, 5), np.int64)
         for row in range(MOST):
             if table[row, 0] == data:
-                call(step, (model, data, table[row, 1]))
+                call(table[row, 2], (model, data, table[row, 1]))
                 return
+        place = np.zeros(3)
+        at = place.ctypes.data
+        for row in range(MOST):
+            body = call(row_of, (model, np.int32(1), table[row, 3])) if table[row, 0] else -1  # mjOBJ_BODY
+            if body > 0:
+                call(place_of, (data, at, 0, at, 0, body, np.uint8(1)))  # mjSAMEFRAME_BODY
+                if place[2] < -1e-6 * table[row, 4]:
+                    call(stop, (lost,))
 
-    return called.ctypes
+    return passive.ctypes

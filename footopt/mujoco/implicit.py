@@ -136,7 +136,6 @@ def wrenches(address, effects, meshes, stage, c):
                 space.stiffness[6 * k + i, j] = rows[i][j]
 
 
-@called_fast
 def newton(address, stage):
     """Solve v = v0 + c W f, f = F(v), for the near bodies' twists v and wrenches, from f, or count a failure.
 
@@ -185,7 +184,6 @@ def newton(address, stage):
     step.failures += 1
 
 
-@called_fast
 def bend(address, stage):
     """Bend bristles by the motion of a stage, in part in the first one, 0 in the air; add its wrenches."""
     space = workspace(address)
@@ -214,7 +212,6 @@ def bend(address, stage):
                 new[a, i] = inside * (h[a, i] + share * (bent[a] * q - h[a, i]))
 
 
-@called_fast
 def prepare(address):
     """Choose the bodies near the sand, and the rows of their twists that can move; find W and a."""
     space = workspace(address)

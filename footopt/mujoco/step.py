@@ -76,8 +76,8 @@ WORK, PENDING = range(2)
 #: before, N m.
 SPEED, PULL = range(2)
 
-#: Addresses: functions of MuJoCo's, the wrenches with effects, and what is read and written.
-GET_STATE, JAC_BODY, WARN, WRENCHES, TIME, JACOBIAN, WORDS, OUTSIDE = range(8)
+#: Addresses: functions of MuJoCo's, of footopt's, and what is read and written.
+GET_STATE, JAC_BODY, WARN, BEGIN, PREPARE, NEWTON, BEND, WRENCHES, TIME, JACOBIAN, WORDS, OUTSIDE = range(12)
 
 #: Columns of each body in `Workspace.trace`: force at its end in the world's axes, N, power, W,
 #: work since the first step, J, and depth at its beginning, m.
@@ -185,7 +185,6 @@ def align(address):
                 rows[a, j] = dot((axes[a], axes[3 + a], axes[6 + a]), row)
 
 
-@called_fast
 def begin(address, meaning):
     """Begin a step, after a RESTART with all sunk straight down; whether the sand is to be solved for."""
     space = workspace(address)
