@@ -12,7 +12,7 @@ import numpy as np
 
 from footopt.effects import base as effects
 from footopt.effects.base import Effect
-from footopt.errors import check, check_whole
+from footopt.errors import check_whole
 from footopt.foot import Foot, Plates, as_plates
 from footopt.foot.plates import RULES
 from footopt.walk import discretize
@@ -29,7 +29,7 @@ REASONS = {OK: "", SUNK: "sunk", BACKWARD: "backward", DIVERGED: "diverged"}
 MAX_REPEATS = 3  # of a walk that diverged, each with a quarter of the time step before
 CHUNK = 4096  # designs whose plates are in memory at once
 POINTS = 4_000_000  # along their soles, at most
-MOST_BYTES = 4e9  # that the bristles of a traced walk may take
+MOST_BYTES = 4e9  # that the bristles of a traced walk may take: of a longer one fewer samples are kept
 BLOCK = 16  # designs that a thread takes at a time
 
 
@@ -129,7 +129,5 @@ if hasattr(os, "register_at_fork"):  # a child has none of its parent's threads
 
 
 def _traced(rows: int, plates: int) -> Any:
-    """The bristles of a trace, (rows, 2 feet, 2, plates), to be filled."""
-    fits = 16 * rows * plates <= MOST_BYTES
-    check(fits, "scene.t_f", f"{rows:,} steps", f"at most {MOST_BYTES / (16 * plates):,.0f} steps long")
-    return np.zeros((rows, 2, 2, plates), np.float32)
+    """The bristles of a trace, (rows or what there is room for, 2 feet, 2, plates), to be filled."""
+    return np.zeros((min(rows, max(1, int(MOST_BYTES / (16 * plates)))), 2, 2, plates), np.float32)

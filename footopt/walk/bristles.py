@@ -63,8 +63,9 @@ def next_step(bristles):
 
 
 @unless_none
-def record(trace, row, h):
-    """Write bristles into a row of their trace."""
+def record(trace, row, rows, h):
+    """Write bristles into their trace at `row` of `rows`; rows that share one leave the last of theirs."""
+    row = row * len(trace) // rows
     for foot in range(2):  # loops: numba takes 20 s to compile an assignment of arrays
         for i in range(h.shape[2]):
             trace[row, foot, 0, i], trace[row, foot, 1, i] = h[foot, 0, i], h[foot, 1, i]

@@ -56,7 +56,7 @@ class Output(NamedTuple):
     status: Any  # (designs,)
     counts: Any  # (designs,) of `COUNTS`
     trace: Array  # (shortest steps + 1, `metrics.COLUMNS`); without rows, nothing is traced
-    bristles: Any  # (rows, 2 feet, 2, plates), or None
+    bristles: Any  # (rows, 2 feet, 2, plates), of as many rows as there is room for, or None
 
 
 def walk_designs(method, soles, world, course, out, begin, end):
@@ -137,7 +137,7 @@ def _trace(out, row, t, state):
     """Write a state into a row of the traces, where there are any."""
     if len(out.trace) > 0:
         write(out.trace[row], sample_of(t, state))
-        record(out.bristles, row, state.bristles.h_n)
+        record(out.bristles, row, len(out.trace), state.bristles.h_n)
 
 
 def walk_range(stepper: Any, soles: Sole, world: World, *rest: Any) -> None:
