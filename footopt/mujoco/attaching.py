@@ -120,26 +120,21 @@ class Contact:
         step, n = np.zeros(1, STEP), 6 * len(feet)
         step["dt"], step["gravity"] = model.opt.timestep, model.opt.gravity
         step["rk4"] = model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
-        step["length"] = found.bristle_length or BRISTLE_LENGTH
-        step["bypass"] = once.bypass
+        step["length"], step["bypass"] = found.bristle_length or BRISTLE_LENGTH, once.bypass
         jacobian = np.zeros((n, model.nv))
         steps, wrenches = compiled(), with_effects(acting, bool(bodies["mesh"].any()) or None)
         outside = (
             *functions("mj_getState", "mj_jacBody", "mju_warning"),
-            *(steps[i].address for i in range(BEGIN, BEND + 1)),
-            wrenches.address,
-            step["time"].ctypes.data,
-            jacobian.ctypes.data,
-            ctypes.addressof(FORGOT),
-        )
-        nv, count = model.nv, len(feet)
+            *(steps[i].address for i in range(BEGIN, BEND + 1)), wrenches.address,
+            step["time"].ctypes.data, jacobian.ctypes.data, ctypes.addressof(FORGOT),
+        )  # fmt: skip
         kept = {  # from step to step
-            "moment": (1, 3), "spent": (2, count), "drift": (2, nv), "bristles": (3, 3 * first),
+            "moment": (1, 3), "spent": (2, len(feet)), "drift": (2, model.nv), "bristles": (3, 3 * first),
             "vectors": (6, n),
         }  # fmt: skip
         scratch = {
-            "frame": (count, 9), "history": (traced * remembers, 3 * first), "factor": (1, data.M.size),
-            "answers": (nv, n), "gained": (1, nv), "mobility": (n, n), "stiffness": (n, 6),
+            "frame": (len(feet), 9), "history": (traced * remembers, 3 * first), "factor": (1, data.M.size),
+            "answers": (model.nv, n), "gained": (1, model.nv), "mobility": (n, n), "stiffness": (n, 6),
             "system": (n + 1, n + 1), "room": (ROOM, n),
         }  # fmt: skip
         ends = np.cumsum([math.prod(shape) for shape in kept.values()]).tolist()
