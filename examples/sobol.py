@@ -52,3 +52,5 @@ if __name__ == "__main__":
     print("parameter ", *(f"{name:>14}" for name in NAMES))
     for parameter, t, h in zip(PARAMETERS, total, half, strict=True):
         print(f"{parameter:10}", *(f"{a:7.2f} ± {b:.2f}" for a, b in zip(t, h, strict=True)))
+    if half.max() > 0.2:
+        print(f"An index is uncertain by ± {half.max():.2g}: take more samples.")

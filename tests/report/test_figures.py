@@ -78,11 +78,10 @@ def outside(figure):
 
 # --- all of them ----------------------------------------------------------------------------------
 
-HISTORY = [
-    SimpleNamespace(evaluations=10 * (i + 1), best=b, median=b + 1.0, hypervolume=np.nan)
-    for i, b in enumerate([np.nan, -2.0, -2.5, -4.0])
-]
-SEARCH = SimpleNamespace(history=HISTORY, problem=SimpleNamespace(names=("efficiency",)))
+BESTS = [(10, np.nan), (20, -2.0), (30, -2.5), (40, -4.0)]
+HISTORY = [SimpleNamespace(evaluations=n, best=b, median=b + 1.0, hypervolume=np.nan) for n, b in BESTS]
+PROBLEM = SimpleNamespace(names=("efficiency",), accuracy=fo.Accuracy())
+SEARCH = SimpleNamespace(history=HISTORY, problem=PROBLEM)
 
 #: How to draw each figure from walks by name and a table of objectives.
 FIGURES = {

@@ -47,7 +47,8 @@ def draw_convergence(axes: Axes, result: Any, base: float | None = None) -> None
     axes.plot(evaluations, best / scale, color=style.BEST, ds="steps-post", zorder=3, label="best so far")
     if np.isfinite(median).any():
         axes.plot(evaluations, median / scale, color=style.FLAT, ls="--", label="median")
-    axes.set(xlabel="evaluations", ylabel=textwrap.fill(label, 32))
+    accuracy = result.problem.accuracy.name
+    axes.set(xlabel=f"evaluations, at accuracy {accuracy}", ylabel=textwrap.fill(label, 32))
     axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
 
 

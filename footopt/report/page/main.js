@@ -107,7 +107,7 @@ function lawTable(i) {
 
 /** The answer: the chosen sole beside the flat one, what it changes, its step, its files. */
 function designSection() {
-  const drawing = el("div", { class: "plot" }), numbers = el("div", {}), words = el("p", { id: "design-words", class: "note" });
+  const drawing = el("div", { class: "plot" }), answer = el("div", {}), numbers = el("div", {}), words = el("p", { id: "design-words", class: "note" });
   const title = el("h2", { id: "design-title" }), step = data.walks && gait?.strikes.length ? stepLoop() : null;
   let chosen = data.best;
   const tools = drawTools(drawing, () => chosen, (i) => show(i), (i) => choose(i));
@@ -115,23 +115,25 @@ function designSection() {
     type: "button", id: `download-${ending}`,
     click: () => download(`sole-${label(chosen).replace(/[^\w.-]+/g, "-")}.${ending}`, text({ points: sole(chosen), top: own("top", chosen) }), type),
   }, ending.toUpperCase()));
-  const back = el("button", { type: "button", id: "back", click: () => choose(data.best) }, `Back to the ${BEST}`);
+  const stl = el("a", { id: "stl" }, "STL"), back = el("button", { type: "button", id: "back", click: () => choose(data.best) }, `Back to the ${BEST}`);
   const exact = folded("These numbers as a table", () => el("div", {}, valueTable(chosen), data.objectives ? lawTable(chosen) : ""));
   const section = el("section", { id: "design" }, title,
     el("div", { class: "grid wide" },
       el("div", {}, el("figure", {}, drawing), words, step?.figure ?? null),
-      el("div", {}, numbers, exact, el("div", { class: "bar" }, "Download it as", ...buttons, back), tools.section)));
+      el("div", {}, answer, el("div", { class: "bar" }, "Files of this sole:", stl, ...buttons, back), numbers, exact, tools.section)));
   function toPrint() {
     if (typeof data.printed !== "number") return "";
     const { worst_loss: loss, worst_loss_of_best: other } = entry.to_print, own = data.printed === data.best;
-    const which = own || chosen === data.printed ? "this sole" : el("button", { type: "button", id: "show-printed", click: () => choose(data.printed) }, "another sole");
-    return chosen === data.best || chosen === data.printed ? el("p", { id: "to-print" }, el("strong", {}, "To print: "), which,
-      `. It loses at most ${percent(loss)} to the best one known under each law of sand`, own ? "." : `; the best one by the run's own law loses ${percent(other)}.`) : "";
+    const here = own || chosen === data.printed, show = el("button", { type: "button", id: "show-printed", click: () => choose(data.printed) }, "Show it");
+    return chosen === data.best || here ? el("p", { id: "to-print" }, el("strong", {}, here ? "Print this sole." : "Print the robust sole."),
+      ` It loses at most ${percent(loss)} to the best one known under each law of sand`, own ? ". " : `; the best one by the run's own law loses ${percent(other)}. `, here ? "" : show) : "";
   }
   function redraw() {
     const points = sole(chosen), k = heights(chosen), best = chosen === data.best, flat = data.walks && flatWalk(), same = flat && isFlat(points);
     title.textContent = COUNT > 1 ? `The ${best ? "" : "chosen "}sole: ${label(chosen)}` : `The sole: ${label(chosen)}`;
     back.hidden = best || data.runs !== undefined;
+    stl.hidden = data.runs !== undefined || !(best || chosen === data.printed);
+    stl.href = best ? "contour.stl" : "to_print.stl";
     words.textContent = [k ? `k = [${k.join(",")}]` : "", `hollow ${(MM * hollow(points)).toFixed(1)} mm`, generation && chosen !== DRAWN ? `generation ${generation[chosen]}` : "",
       feasible[chosen] ? "" : `infeasible: ${reason(chosen)}`, chosen === DRAWN && feasible[chosen] ? sketch.reason : "", same ? "this is the flat foot" : flat ? `dashed: the flat foot${flat.reason ? `, whose walk failed: ${flat.reason}` : ""}` : ""].filter(Boolean).join("; ");
     const focus = document.activeElement?.dataset?.waypoint;
@@ -141,8 +143,9 @@ function designSection() {
     const finer = fineOf(chosen), accuracy = data.runs ? "" : `Evaluated at accuracy ${(finer ? entry.accuracy : entry.search_accuracy ?? entry.accuracy)?.name}. `;
     const compared = entry.flat && feasible[chosen] && !flat?.reason && !same;
     exact.hidden = !compared;
+    answer.replaceChildren(...(compared ? [gain(chosen), toPrint()] : []));
     numbers.replaceChildren(...(compared
-      ? [gain(chosen), toPrint(), bars(chosen, Math.max(widthOf(numbers), 250)), el("p", { class: "note" }, "Solid: better than the flat foot; dashed: worse. Error ticks: the numerical error.",
+      ? [bars(chosen, Math.max(widthOf(numbers), 250)), el("p", { class: "note" }, "Solid: better than the flat foot; dashed: worse. Error ticks: the numerical error.",
         underLaws(chosen, data.columns[0].name).length ? ` Circles: the result under other sand laws${best || chosen === data.printed ? "" : `, those that this page simulates (${P.others.map(({ law }) => law).join(", ")})`}.` : "", ` ${accuracy}`, gain(chosen) && "J_W, which the paper minimises: −distance × mean height / (work × peak power × speed loss).", ofTheLaw())]
       : [scrolled("Values", valueTable(chosen, same ? null : entry.flat)), el("p", { class: "note" }, accuracy, ofTheLaw())]));
     exact.refresh();
@@ -168,7 +171,7 @@ function glance() {
     if (keep) chosen = i;
     section.replaceChildren(el("h3", {}, label(i)), entry.flat ? gain(i) : "", el("figure", {}, soleDrawing(sole(i), { width: widthOf(section), height: 90, plain: true,
       top: own("top", i), colour: colourOf(i), ghost: data.walks && flatWalk()?.points })),
-    scrolled("Values of the chosen design", valueTable(i)),
+    i === data.best ? "" : scrolled("Values of the chosen design", valueTable(i)),
     el("p", {}, el("a", { href: "#design" }, "the whole answer"), ", ", el("a", { href: "#walk" }, "its walk")));
   };
   return { section, show };

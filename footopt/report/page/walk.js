@@ -167,7 +167,7 @@ function stepLoop() {
     busy = state.playing && state.seen && state.mover;
     if (!busy) return;
     state.t += Math.min((now - before) / 1000, 0.1) / 4;
-    if (state.t > begin + 0.72 * stride) state.t = begin - 0.06 * stride;
+    if (state.t > begin + 0.66 * stride) state.t = begin - 0.06 * stride;
     before = now;
     if (!sketch?.frame) state.mover(state.t); // else it is drawn anew in this frame
     requestAnimationFrame(tick);
@@ -183,7 +183,7 @@ function stepLoop() {
     if (figure.hidden) return;
     const flat = flatWalk(), other = flat && !isFlat(walk.points) && flat.t.at(-1) > begin + 0.3 * stride ? flat : null;
     beside.textContent = other ? "; dashed: the flat foot in step." : ".";
-    const low = deepest(walk, begin - 0.06 * stride, begin + 0.72 * stride);
+    const low = deepest(walk, begin - 0.06 * stride, begin + 0.66 * stride);
     const foot = (w) => pose(w, begin + 0.25 * stride)[side].leg[2][0];
     state.mover = stage(holder, walk, { close: true, other, tall: 300, x: [-0.26, 0.26], z: [low - Math.max(0.07, 0.3 * (0.13 - low)), 0.13],
       fixed: { x: foot(walk) + 0.03, shift: other ? foot(walk) - foot(other) : 0 }, label: `One step of the ${SIDES[side]} foot in the sand, with the forces on its sole` });
