@@ -66,7 +66,7 @@ def translate(error: BaseException, overrides: Sequence[str]) -> FootoptError | 
         is_number = own and choice.lstrip("-")[:1].isdigit()
         hint = f"A number needs its name, such as {own}={choice}." if is_number else ""
         return SettingError(group, choice, f"one of {', '.join(groups().get(group, []))}", hint)
-    # footopt snad=soft; footopt study=doctor sand=soft; footopt effects.slope.angle=4, without effects=slope
+    # footopt snad=soft; footopt study=compare sand=soft; footopt effects.slope.angle=4, without effects=slope
     if isinstance(cause, (ConfigAttributeError, ConfigKeyError)) and key:
         key = next((name for name in given if f"{name}.".startswith(f"{key}.")), key)
         if key.startswith("effects.") and key in names:

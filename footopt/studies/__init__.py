@@ -181,13 +181,6 @@ class Compare(StudySettings):
 
 
 @dataclass
-class Doctor(StudySettings):
-    """Is the installation sound? Versions, processor, cache folder, and the published walks again."""
-
-    name: str = "doctor"
-
-
-@dataclass
 class Validate(StudySettings):
     """Experiments on sand by other people, repeated: error, validation uncertainty, verdict."""
 
@@ -225,7 +218,7 @@ def _of_module(name: str) -> Callable[[Any], Any]:
     return lambda study: import_module(f"footopt.studies.{name}").run(study)
 
 
-for _kind in (Optimize, Simulate, Ladder, Stability, Audit, Paper, Robust, Transfer, Export, Compare, Doctor,
+for _kind in (Optimize, Simulate, Ladder, Stability, Audit, Paper, Robust, Transfer, Export, Compare,
               Validate, Calibrate):  # fmt: skip
     STUDIES[_kind.name] = _kind, _of_module(_kind.name)
 

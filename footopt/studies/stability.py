@@ -16,7 +16,6 @@ from rich.text import Text
 from footopt.effects import bristle_length
 from footopt.foot import Foot
 from footopt.report import terminal
-from footopt.report.figures.tables import verdicts
 from footopt.report.numbers import percent
 from footopt.report.output import foot_entry, scene_entry
 from footopt.studies.runs import Study
@@ -50,7 +49,6 @@ TWICE = 2  # times in a row: once may be chance
 MOST_WORK = 3e8  # evaluations of a plate in a walk that is refined once more
 
 STANDS = "Behind a case: the change when its reference is refined once more."
-CAPTION = f"Which method is stable in which case, with the measure that decides, as in the table. {STANDS}"
 
 
 class Measure(NamedTuple):
@@ -116,7 +114,6 @@ def run(study: Study) -> None:
     with study.progress(len(cases) * len(methods), "walk") as step:
         found = [judge_case(case, base, methods, partial(step, news=case.name)) for case in cases]
     faults = {row[0].row: [v.fault for v in row] for row in found}
-    study.save("stability", verdicts(faults, methods), CAPTION)
     stable = {m: [row[i] for row in faults.values()].count("") for i, m in enumerate(methods)}
     titles = ["case, and its reference", *(method.replace("_", " ") for method in methods)]
     table = terminal.table(titles, titles)

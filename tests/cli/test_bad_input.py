@@ -104,8 +104,8 @@ COMMANDS = {
     "study=simulate foot.length=.18": "foot.length = 0.18",
     "study.draws=3": "study.draws",
     "study=simulate solver.n_gen=3": "solver.n_gen = 3",
-    "study=doctor planet=moon": "walker.g = 1.62",
-    "study=doctor foot.length=nan": "foot.length = nan",
+    "study=compare planet=moon": "walker.g = 1.62",
+    "study=compare foot.length=nan": "foot.length = nan",
     "choose=knee": "choose.name = 'knee'",
 }
 

@@ -10,7 +10,6 @@ from footopt.foot import SHAPES, Foot
 from footopt.foot.waypoints import heights_text
 from footopt.report import terminal
 from footopt.report.figures.paper import all_figures
-from footopt.report.figures.tables import claims as draw_claims
 from footopt.report.numbers import number
 from footopt.report.output import scene_entry
 from footopt.studies.build import check_searchable
@@ -22,7 +21,6 @@ from footopt.walk import FIVE, OBJECTIVES, Walk, simulate
 __all__ = ["run"]
 
 Entry = Mapping[str, Any]
-CAPTION = "Every claim: whether it holds at the settings, and with each open choice made otherwise."
 VERDICTS = ("holds", "does not hold", "hangs on a choice", "undecided")
 JUDGED = (*FIVE, "efficiency")
 MEASURES = ("distance (m)", "mean height (m)", "work (J)", "peak power (W)", "speed loss (m/s)", "J_W")
@@ -49,7 +47,6 @@ def run(study: Study) -> None:
                 margins[name] = dict.fromkeys(CLAIMS, nan)
             step(news=name)
     found = content(own, measure(own, config.study.speed_loss), margins)
-    study.save("claims", draw_claims(found["claims"]), CAPTION)
     study.conclude(
         "The paper, judged",
         [
