@@ -81,8 +81,7 @@ def fit_height(figure: Figure, column: Sequence[Axes]) -> None:
     equal = [axes for axes in figure.axes if axes.get_aspect() == 1.0]
     for axes in equal:
         axes.set_aspect("auto")  # the layout leaves no room for the labels of axes that shrink
-    for _ in range(2):  # each pass of the layout moves things a little
-        lay_out(figure)
+    lay_out(figure)
     more = 0.0
     for axes in (axes for axes in column if axes in equal):
         box, (left, right), (low, high) = axes.get_window_extent(), axes.get_xlim(), axes.get_ylim()
