@@ -14,7 +14,7 @@ from typing import Any
 
 from footopt.design import Solver
 from footopt.design.result import check_finalists
-from footopt.design.scenarios import check_measure
+from footopt.design.robust import check_measure
 from footopt.effects import EFFECTS
 from footopt.errors import SettingError
 from footopt.studies import ALWAYS, build, covers, robust, studies_that_read

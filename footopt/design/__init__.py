@@ -9,7 +9,7 @@ from footopt.design.fronts import FRONT_RULES, Choice
 from footopt.design.laws import UnderLaws, under_laws
 from footopt.design.problem import Evaluated, FootProblem
 from footopt.design.result import Confirmation, Generation, SearchResult, confirm
-from footopt.design.robust import RobustProblem, own_best
+from footopt.design.robust import RobustProblem
 from footopt.design.scenarios import Scenario, Spread, draw
 from footopt.design.search import search
 from footopt.design.solvers import AUTO, EXHAUSTIVE, SINGLE, SOLVERS, WALKS, Solver
@@ -19,5 +19,5 @@ __all__ = [
     "AUTO", "ENGINES", "EXHAUSTIVE", "FRONT_RULES", "SINGLE", "SOLVERS", "WALKS", "Choice",
     "Confirmation", "Evaluated", "Evaluation", "Evaluator", "FootProblem", "Generation", "RobustProblem",
     "Scenario", "SearchResult", "Solver", "Spread", "Store", "UnderLaws", "confirm", "draw", "make_executor",
-    "own_best", "search", "under_laws",
+    "search", "under_laws",
 ]  # fmt: skip

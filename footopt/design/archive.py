@@ -11,12 +11,11 @@ from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from footopt.arrays import Array, Bools, Ints, Words
 from footopt.design.executor import Workers, walk
 from footopt.design.fronts import Volume, nondominated
-from footopt.design.known import Known
-from footopt.design.problem import Array, FootProblem, Ints, Words
+from footopt.design.problem import FootProblem, Known
 from footopt.design.result import Generation, SearchResult
 from footopt.design.solvers import Solver
 from footopt.design.store import ERROR, Evaluation, Store
@@ -92,7 +91,7 @@ class Designs(NamedTuple):
     violation: Array
     generation: Ints
 
-    def take(self, rows: Ints | NDArray[np.bool_] | slice) -> Designs:
+    def take(self, rows: Ints | Bools | slice) -> Designs:
         """Some of them."""
         return Designs._make(column[rows] for column in self)
 
@@ -116,7 +115,7 @@ class Archive:
         k, values = np.empty((0, problem.space.n), np.int64), np.empty((0, len(problem.record)))
         self.designs = Designs(k, values, np.empty(0, np.str_), np.empty(0), np.empty(0, np.int64))
         self._good = np.empty(0, np.bool_)  # which are feasible
-        self._known = Known()  # where a design is in `designs`
+        self.known = Known()  # where a design is in `designs`
         self._latest = np.empty(0, np.int64)
         self._column = problem.record.index(problem.ranking_objective)
         self._sign = MEASURES[problem.ranking_objective].sign
@@ -133,22 +132,24 @@ class Archive:
 
     def first(self, k: Ints, most: float) -> int:
         """How many of designs, from the first, there can be with at most so many different ones in all."""
-        fresh, room = self._known.fresh(k), most - self.count
+        fresh, room = self.known.fresh(k), most - self.count
         return len(k) if len(fresh) <= room else int(fresh[int(room)])
 
     def evaluate(self, k: Ints) -> tuple[Array, Array]:
         """F and G of a generation, (designs, ...); designs seen before are not walked again."""
-        new = k[self._known.fresh(k)]
+        new = k[self.known.fresh(k)]
         if len(new):
             values, reasons = self._walk(new)
-            self._known.add(new)
+            self.known.add(new)
             generation = np.full(len(new), len(self.history) + 1)
             added = Designs(new, values, reasons, self.problem.space.box_violation(new), generation)
             self.designs = self.designs.joined(added)
-            self._good = np.append(self._good, (self._constraints(added) <= 0.0).all(axis=1))
-        self._latest = self._known.places(k)
+            good = self.problem.feasible(added.values, added.reasons, added.violation)
+            self._good = np.append(self._good, good)
+        self._latest = self.known.places(k)
         latest = self.designs.take(self._latest)
-        return self.problem.minimised(latest.values), self._constraints(latest)
+        constraints = self.problem.constraints(latest.values, latest.reasons, latest.violation)
+        return self.problem.minimised(latest.values), constraints
 
     def close_generation(self, seconds: float) -> None:
         """Write the generation into the history."""
@@ -209,9 +210,6 @@ class Archive:
             interrupted=interrupted,
             reused=reused,
         )
-
-    def _constraints(self, designs: Designs) -> Array:
-        return self.problem.constraints(designs.values, designs.reasons, designs.violation)
 
     def _front(self) -> Ints:
         """The non-dominated of the last front and the newest feasible designs."""

@@ -8,8 +8,8 @@ import numpy as np
 from pymoo.core.algorithm import Algorithm as PymooAlgorithm
 from pymoo.core.initialization import Initialization
 
-from footopt.design.known import Known
-from footopt.design.problem import Array, FootProblem, Ints, whole
+from footopt.arrays import Array, Ints
+from footopt.design.problem import FootProblem, Known, whole
 from footopt.design.solvers import Solver
 from footopt.design.solvers.moves import KNOWN
 from footopt.errors import SettingError, check, check_kind
@@ -48,15 +48,18 @@ def as_solver(algorithm: Any, budget: dict[str, Any]) -> Solver:
 
 
 class Algorithm:
-    """A solver's pymoo algorithm at work: `ask` it for designs, `tell` it what became of them."""
+    """A solver's pymoo algorithm at work: `ask` it for designs, `tell` it what became of them.
+
+    `known` are the designs so far, which the caller adds; some solvers propose none of them again.
+    """
 
     def __init__(
-        self, problem: FootProblem, solver: Solver, start: Ints | None = None, termination: Any = None
+        self, problem: FootProblem, solver: Solver, known: Known, start: Ints | None, termination: Any
     ) -> None:
         solver.check_space(problem.space)
         self._algorithm = solver.build(problem.n_obj)
-        self._problem, self._known = problem, Known()
-        self._algorithm.data[KNOWN] = self._known
+        self._algorithm.data[KNOWN] = known
+        self._problem = problem
         most = solver.n_gen or REPEATS * solver.generations(problem.space)
         ends = copy.deepcopy(termination) or ("n_gen", most)
         try:
@@ -85,11 +88,7 @@ class Algorithm:
     def ask(self) -> Ints | None:
         """The next generation, (designs, n) heights; None when the budget or the space is used up."""
         self._proposed = self._algorithm.ask() if self._algorithm.has_next() else None
-        if self._proposed is None:
-            return None
-        k = whole(self._proposed.get("X"), self._problem)
-        self._known.add(k[self._known.fresh(k)])
-        return k
+        return None if self._proposed is None else whole(self._proposed.get("X"), self._problem)
 
     def tell(self, f: Array, g: Array) -> None:
         """F and G of the generation that was proposed, (designs, ...)."""

@@ -6,8 +6,9 @@ from itertools import combinations
 
 import numpy as np
 
+from footopt.arrays import Array, Ints, Words
 from footopt.design.archive import Designs, Evaluator
-from footopt.design.problem import Array, FootProblem, Ints, Words
+from footopt.design.problem import FootProblem
 from footopt.design.result import Confirmation, SearchResult, confirm
 from footopt.foot import Waypoints
 from footopt.walk.accuracy import AnyAccuracy
@@ -143,7 +144,7 @@ def certified(
 
 def _judged(problem: FootProblem, k: Ints, values: Array, reasons: Words) -> Array:
     """The objective of evaluated designs, minimised, (designs,); infinite where a constraint is broken."""
-    kept = (problem.constraints(values, reasons, problem.space.box_violation(k)) <= 0.0).all(axis=1)
+    kept = problem.feasible(values, reasons, problem.space.box_violation(k))
     return np.where(kept, problem.minimised(values)[:, 0], np.inf)
 
 

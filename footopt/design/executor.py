@@ -19,7 +19,8 @@ from typing import Any, cast
 
 import numpy as np
 
-from footopt.design.problem import Array, FootProblem, Ints, Words
+from footopt.arrays import Array, Ints, Words
+from footopt.design.problem import FootProblem
 from footopt.design.store import ERROR, context, differences, listed
 from footopt.errors import EngineError, FootoptError, check, shortened
 from footopt.walk.batch import at_once, available_threads

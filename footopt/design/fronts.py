@@ -4,13 +4,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from footopt.arrays import Array, Bools, Ints
 from footopt.errors import check, is_number
 from footopt.walk.objectives import MEASURES
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 REFERENCE = 1.1  # of hypervolumes, where the merged front spans 0 to 1 in every objective
 EXACT = 1000  # designs of a front up to which its hypervolume is exact: the time grows with a power of them
@@ -38,7 +35,7 @@ class Volume:
         self._reach = np.empty(0)
         self._constant = 0.0
 
-    def __call__(self, f: Array, new: NDArray[np.bool_]) -> float:
+    def __call__(self, f: Array, new: Bools) -> float:
         """The hypervolume of F (designs, objectives), minimised, of which some have not been seen before."""
         from moocore import hypervolume
 
@@ -55,7 +52,7 @@ class Volume:
         return self._constant * float((self._reach**objectives).mean())
 
 
-def nondominated(F: Array) -> NDArray[np.bool_]:
+def nondominated(F: Array) -> Bools:
     """Which designs no other dominates, (designs,)."""
     from moocore import is_nondominated
 

@@ -13,8 +13,9 @@ from typing import Any
 
 import numpy as np
 
+from footopt.arrays import Array, Ints
 from footopt.design.archive import Evaluator
-from footopt.design.problem import Array, FootProblem, Ints
+from footopt.design.problem import FootProblem
 from footopt.design.result import Confirmation, SearchResult
 from footopt.design.robust import Race, RobustProblem, regret
 from footopt.design.scenarios import Scenario, Spread, harder_and_softer, plausible_laws, scale_zeta
@@ -83,7 +84,8 @@ class UnderLaws:
 
     def range_of(self, foot: int) -> dict[str, list[float]]:
         """The changes of a foot under the other laws than the scene's own, by name."""
-        return {name: [float(c[name][foot]) for c in self.changes[1:]] for name in self.changes[0]}
+        names = self.changes[0] if self.changes else ()
+        return {name: [float(changes[name][foot]) for changes in self.changes[1:]] for name in names}
 
 
 def possible_laws(scene: Any, spread: float) -> tuple[Scenario, ...]:
@@ -139,20 +141,17 @@ def compare(problem: FootProblem, laws: tuple[Scenario, ...], feet: Ints) -> Und
     these walks.
     """
     k, name = problem.space.check(feet), problem.ranking_objective
-    numbers, violation = (
-        numerics(problem.accuracy, problem.scene, problem.space),
-        problem.space.box_violation(k),
-    )
+    numbers = numerics(problem.accuracy, problem.scene, problem.space)
     losses, changes = np.full((len(laws), len(k)), np.nan), []
     for row, law in zip(losses, laws, strict=True):
         table = evaluate(k, law.scene, numbers, problem.record, problem.space, problem.threads)
         relative = relative_change(table.values, table.values[-1])
         changes.append(dict(zip(problem.record, relative.T, strict=True)))
-        kept = (problem.constraints(table.values, table.reasons, violation) <= 0.0).all(axis=1)
-        if problem.n_obj == 1 and kept.any():
-            found = table.values[:, problem.record.index(name)]
-            lost = MEASURES[name].sign * found
-            row[:] = np.where(kept, (lost - lost[kept].min()) / _size(found[kept], name), np.inf)
+        good = problem.feasible(table.values, table.reasons, problem.space.box_violation(k))
+        if problem.n_obj == 1 and good.any():
+            values = table.values[:, problem.record.index(name)]
+            lost = MEASURES[name].sign * values
+            row[:] = np.where(good, (lost - lost[good].min()) / _size(values[good], name), np.inf)
     return UnderLaws(laws, k, losses, changes)
 
 
@@ -192,40 +191,37 @@ def candidates(
     KeyboardInterrupt
         It was interrupted.
     """
-    problem, start = result.problem, _best(result, FIRST)
+    problem, start, name = result.problem, _best(result, FIRST), result.problem.ranking_objective
     numbers = numerics(drafted(problem.accuracy), problem.scene, problem.space)
     walks = max(math.ceil(share * result.evaluations), LEAST)
     common: Any = {"space": problem.space, "accuracy": numbers, "threads": problem.threads}
-    walked, references, found, evaluators = [], [], [start], []
+    walked, references, evaluators = [], [], []
+    found: list[Ints] = []
 
     def solver(walks: int) -> Solver:
-        return Solver(
-            walks=walks, pop_size=max(min(EVEN, walks // 8), FIRST), seed=result.solver.seed
-        ).fitting(1)
+        size = max(min(EVEN, walks // 8), FIRST)
+        return Solver(walks=walks, pop_size=size, seed=result.solver.seed).fitting(1)
 
     with ExitStack() as opened:
         for law in laws:
             alone = FootProblem(law.scene, problem.names, **common, limits=problem.limits)
             kept = None if store is None else opened.enter_context(Store(store, alone))
-            own = law.scene == problem.scene  # which has been searched: its best will do
-            begin, most = _different([*found[:0:-1], start]), len(start) if own else walks
+            most = len(start) if law.scene == problem.scene else walks  # that has been searched
             with suppress(FootoptError):  # no foot walks
+                begin = _different([*found[::-1], start])
                 best = _whole(search(alone, solver(most), store=kept, executor=executor, start=begin))
                 walked.append(law)
                 evaluators.append(Evaluator(alone, kept, executor))
-                column = best.column(problem.ranking_objective)[best.feasible]
-                references.append(_size(column, problem.ranking_objective))
+                references.append(_size(best.column(name)[best.feasible], name))
                 found.append(best.k[[best.best]])
         if len(walked) > 1:
-            limits = {
-                name: limit for name, limit in problem.limits.items() if name != problem.ranking_objective
-            }
+            limits = {other: limit for other, limit in problem.limits.items() if other != name}
             together = RobustProblem(walked, problem.names, **common, references=references, limits=limits)
             with suppress(FootoptError):  # none walks under all of them
-                race, begin = Race(together, evaluators), _different(found[1:])
-                best = ask_and_tell(together, solver(TIMES * walks), None, race, None, begin)
+                race = Race(together, evaluators)
+                best = ask_and_tell(together, solver(TIMES * walks), None, race, None, _different(found))
                 found.append(_best(_whole(best), LAST))
-    return np.unique(np.concatenate(found[1:] or found), axis=0)
+    return np.unique(np.concatenate(found or [start]), axis=0)
 
 
 def _whole(result: SearchResult) -> SearchResult:
@@ -260,11 +256,11 @@ def better_zetas(problem: FootProblem, foot: Ints, flat: Ints) -> tuple[float | 
     none where it is no better on the scene's own sand.
     """
     scene: Any = problem.scene
-    numbers = numerics(drafted(problem.accuracy), scene, problem.space)
+    numbers, name = numerics(drafted(problem.accuracy), scene, problem.space), problem.ranking_objective
 
     def lead(step: int) -> float:
         """By how much the foot is better, a number of steps from the scene's own zeta."""
-        there, name = scale_zeta(scene, REACH ** (step / STEPS)), problem.ranking_objective
+        there = scale_zeta(scene, REACH ** (step / STEPS))
         table = evaluate(np.stack([foot, flat]), there, numbers, (name,), problem.space, problem.threads)
         return (
             -float(regret(table.values[0], table.values[1], name)[0]) if table.feasible.all() else -math.inf
@@ -276,8 +272,8 @@ def better_zetas(problem: FootProblem, foot: Ints, flat: Ints) -> tuple[float | 
         for step in range(1, STEPS + 1):
             after = lead(direction * step)
             if not after > 0.0:
-                share = before / (before - after)
-                return float(scene.sand.zeta * REACH ** (direction * (step - 1 + share) / STEPS))
+                share = step - 1 + before / (before - after)
+                return float(scene.sand.zeta * REACH ** (direction * share / STEPS))
             before = after
         return None
 

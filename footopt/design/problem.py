@@ -7,10 +7,10 @@ from copy import copy
 from typing import Any, NamedTuple, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pymoo.core.problem import Problem
 from pymoo.core.variable import Integer
 
+from footopt.arrays import Array, Bools, Ints, Words
 from footopt.design.fronts import Choice, excess
 from footopt.errors import check, check_kind
 from footopt.foot import Waypoints
@@ -19,10 +19,6 @@ from footopt.walk.objectives import FIVE, MEASURES, Objective, lookup, offered
 from footopt.walk.scene import Scene
 from footopt.walk.simulate import evaluate
 from footopt.walk.simulator import Simulator
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Words = NDArray[np.str_]
 
 #: Objectives by the name of a set; any sequence of names from `MEASURES` will do as well.
 SETS: dict[str, tuple[str, ...]] = {"efficiency": ("efficiency",), "pareto": FIVE}
@@ -137,7 +133,7 @@ class FootProblem(Problem):
         other.accuracy = accuracy
         return other
 
-    def inside(self, k: Ints) -> NDArray[np.bool_]:
+    def inside(self, k: Ints) -> Bools:
         """Which designs (designs, n) are inside their box: moves by runs propose no others."""
         return self.space.inside(k)
 
@@ -162,12 +158,9 @@ class FootProblem(Problem):
 
     def minimised(self, values: Array) -> Array:
         """F (designs, objectives) of values (designs, record); each objective's worst for a failed walk."""
-        columns = []
-        for o in self.objectives:
-            natural = values[:, self.record.index(o.name)]
-            natural = np.where(np.isfinite(natural), natural, o.worst)
-            columns.append(o.sign * natural)
-        return np.stack(columns, axis=1)
+        natural = values[:, [self.record.index(name) for name in self.names]]
+        signs, worst = np.array([(o.sign, o.worst) for o in self.objectives], float).T
+        return np.asarray(signs * np.where(np.isfinite(natural), natural, worst))
 
     def constraints(self, values: Array, reasons: Words, violation: Array) -> Array:
         """G of `Evaluated`, (designs, n_ieq_constr), met where at most 0.
@@ -176,12 +169,15 @@ class FootProblem(Problem):
         """
         failed = np.where(reasons == "", -1.0, 1.0)
         tolerance = self.space.box_tolerance
-        box = violation / self.space.H - tolerance
-        inside = box if np.isfinite(tolerance) else np.full_like(failed, -1.0)
-        within_limits = [
+        box = violation / self.space.H - tolerance if np.isfinite(tolerance) else np.full_like(failed, -1.0)
+        limits = [
             excess(name, limit, values[:, self.record.index(name)]) for name, limit in self.limits.items()
         ]
-        return np.stack([failed, inside, *within_limits], axis=1)
+        return np.stack([failed, box, *limits], axis=1)
+
+    def feasible(self, values: Array, reasons: Words, violation: Array) -> Bools:
+        """Which designs meet all constraints, (designs,)."""
+        return np.asarray((self.constraints(values, reasons, violation) <= 0.0).all(axis=1))
 
     def verdicts(self, values: Array, reasons: Words, violation: Array) -> Words:
         """Why each design is no foot, (designs,): why its walk failed, "box", the first limit; or ""."""
@@ -206,3 +202,37 @@ def whole(X: Any, problem: Problem) -> Ints:
         X = [[row[name] for name in problem.vars] for row in X]
     rows = np.asarray(X, float).reshape(-1, problem.n_var)
     return np.clip(np.round(rows), problem.xl, problem.xu).astype(np.int64)
+
+
+class Known:
+    """Designs by their heights, with their places in the order in which they were added."""
+
+    def __init__(self) -> None:
+        self._place: dict[bytes, int] = {}
+
+    def places(self, k: Ints) -> Ints:
+        """The place of each of some designs (designs, n), -1 where there is none."""
+        return np.array([self._place.get(key, -1) for key in _keys(k)], np.int64)
+
+    def fresh(self, k: Ints) -> Ints:
+        """The rows of those of some designs (designs, n) that are not known, each once, in their order."""
+        seen: set[bytes] = set()
+        found = []
+        for i, key in enumerate(_keys(k)):
+            if key not in self._place and key not in seen:
+                seen.add(key)
+                found.append(i)
+        return np.array(found, np.int64)
+
+    def add(self, k: Ints) -> None:
+        """Add designs (designs, n) that are `fresh`."""
+        for key in _keys(k):
+            self._place[key] = len(self._place)
+
+    def __len__(self) -> int:
+        return len(self._place)
+
+
+def _keys(k: Ints) -> list[bytes]:
+    """Heights as bytes, a row each."""
+    return [row.tobytes() for row in np.atleast_2d(k).astype(np.int32)]

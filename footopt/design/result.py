@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from footopt.arrays import Array, Bools, Ints, Words
 from footopt.design.fronts import nondominated
-from footopt.design.problem import Array, FootProblem, Ints
+from footopt.design.problem import FootProblem
 from footopt.design.solvers import Solver
 from footopt.errors import check_whole
 from footopt.foot import Foot
@@ -97,8 +98,8 @@ class SearchResult:
     solver: Solver
     k: Ints
     values: Array
-    feasible: NDArray[np.bool_]
-    reasons: NDArray[np.str_]
+    feasible: Bools
+    reasons: Words
     violation: Array
     generation: Ints
     history: list[Generation]
@@ -229,7 +230,7 @@ class Confirmation:
     accuracy: AnyAccuracy
     agrees: bool
     largest_change: float
-    good: NDArray[np.bool_]
+    good: Bools
 
 
 def confirm(result: SearchResult, accuracy: AnyAccuracy | str, finalists: int = 20) -> Confirmation:
@@ -254,8 +255,7 @@ def confirm(result: SearchResult, accuracy: AnyAccuracy | str, finalists: int = 
         values, reasons = result.values[chosen], np.full(len(chosen), "")
     else:
         values, reasons = problem.at(accuracy).walk(result.k[chosen])
-    within_limits = problem.constraints(values, reasons, result.violation[chosen]) <= 0.0
-    good = np.asarray(within_limits.all(axis=1))
+    good = problem.feasible(values, reasons, result.violation[chosen])
     if problem.n_obj > 1 and good.any():
         good[good] = nondominated(problem.minimised(values[good]))
     scores = np.full(len(chosen), np.inf)

@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from footopt.arrays import Array, Ints, Words
 from footopt.design.archive import Evaluator
-from footopt.design.problem import Array, FootProblem, Ints, Words
-from footopt.design.scenarios import Scenario, check_measure, risk
+from footopt.design.problem import FootProblem
+from footopt.design.scenarios import Scenario
 from footopt.design.search import search
 from footopt.design.solvers import EXHAUSTIVE
 from footopt.errors import FootoptError, check
@@ -18,6 +19,8 @@ from footopt.walk.accuracy import AnyAccuracy
 from footopt.walk.objectives import MEASURES
 from footopt.walk.simulate import evaluate
 
+#: How values over scenarios become one; "tail" is the mean over the worst share of them (CVaR).
+RISK_MEASURES = ("mean", "tail", "worst")
 KEPT = 10  # designs whose worst case is known in full: others, if they lose more in one scenario, are dropped
 FEW = 10_000  # soles of a space that are all evaluated for a scenario's best one, as many as by a search
 
@@ -43,7 +46,7 @@ class RobustProblem(FootProblem):
     references : (scenarios,), optional
         The value of `ranking_objective` that a good foot has in each scenario, by whose magnitude it is
         divided there: the measure is then one of the loss relative to it (`regret`). By default each
-        scenario's own best, for which `own_best` searches at once, 10,000 evaluations a scenario. Ones leave
+        scenario's own best, which is searched at once, by 10,000 evaluations a scenario. Ones leave
         the values as they are: the worst J_W of three sands is that on soft sand, where J_W is a tenth, and
         the foot that is best by it a specialist.
     limits : dict of str to float, optional
@@ -78,12 +81,25 @@ class RobustProblem(FootProblem):
         super().__init__(scenarios[0].scene, objective, space, accuracy, threads, limits)
         self.scenarios = tuple(scenarios)
         self.measure, self.tail = measure, tail
-        if references is None:
-            references = own_best(scenarios, self.ranking_objective, self.space, accuracy, threads)
-        self.references = np.array(references, float)
+        self.references = np.array(self._own_bests() if references is None else references, float)
         usable = np.isfinite(self.references) & (self.references != 0.0)
         good = usable.shape == (len(names),) and usable.all()
         check(good, "references", self.references.tolist(), f"{len(names)} numbers other than 0")
+
+    def _own_bests(self) -> list[float]:
+        """`ranking_objective` of the best foot of each scenario alone: of all soles, where these are few."""
+        found, solver = [], EXHAUSTIVE if self.space.K**self.space.n <= FEW else None
+        for s in self.scenarios:
+            space = s.space(self.space)
+            alone = FootProblem(s.scene, self.ranking_objective, space, self.accuracy, self.threads)
+            try:
+                result = search(alone, solver)
+            except FootoptError as error:
+                raise FootoptError(f"{s.name}: {error}") from None
+            if result.interrupted:
+                raise KeyboardInterrupt(f"while searching the best foot for {s.name} alone")
+            found.append(float(result.column(self.ranking_objective)[result.best]))
+        return found
 
     @property
     def conditions(self) -> dict[str, Any]:
@@ -162,51 +178,43 @@ class Race:
         losses = p.signs[ranking] * values[..., ranking]
         total, why = p._without_failed(p.signs * np.fmax.reduce(p.signs * values), reasons)
         known = ~np.isnan(losses).any(axis=0)
-        kept = known & (p.constraints(total, why, np.zeros(len(k))) <= 0.0).all(axis=1)
+        kept = known & p.feasible(total, why, np.zeros(len(k)))
         self._best = np.sort(np.append(self._best, losses[:, kept].max(axis=0)))[:KEPT]
         walked = ~np.isnan(losses).all(axis=0)
         np.add.at(self._times_worst, np.nanargmax(losses[:, walked], axis=0), 1)
         return total, why
 
 
-def own_best(
-    scenarios: Sequence[Scenario],
-    objective: str = "efficiency",
-    space: Waypoints | None = None,
-    accuracy: AnyAccuracy | str = "standard",
-    threads: int | None = None,
-    **options: Any,
-) -> Array:
-    """An objective of the best foot of each scenario alone, (scenarios,).
-
-    The default search finds it, or an exhaustive one in a space that is small enough.
+def risk(values: Array, measure: str, tail: float) -> Array:
+    """A risk measure over equally probable scenarios of values to be minimised.
 
     Parameters
     ----------
-    scenarios, objective, space, accuracy, threads
-        As in `RobustProblem`.
-    **options
-        store, executor and progress, as in `search`.
+    values : (scenarios, ...)
+        To be minimised.
+    measure : str
+        In `RISK_MEASURES`.
+    tail : float
+        The share of the scenarios that "tail" averages over, the worst ones: the conditional value at
+        risk (Rockafellar & Uryasev 2000), with a part of a scenario where the tail ends inside it.
 
-    Raises
-    ------
-    FootoptError
-        There is no feasible foot for a scenario.
-    KeyboardInterrupt
-        It was interrupted.
+    Returns
+    -------
+    (...)
+        Of each value over all scenarios.
     """
-    space, found = space or Waypoints(), []
-    solver = EXHAUSTIVE if space.K**space.n <= FEW else None
-    for s in scenarios:
-        try:
-            alone = FootProblem(s.scene, objective, s.space(space), accuracy, threads)
-            result = search(alone, solver, **options)
-        except FootoptError as error:
-            raise FootoptError(f"{s.name}: {error}") from None
-        if result.interrupted:
-            raise KeyboardInterrupt(f"while searching the best foot for {s.name} alone")
-        found.append(result.column(objective)[result.best])
-    return np.array(found)
+    share = {"mean": 1.0, "tail": tail, "worst": 0.0}[measure]
+    scenarios = max(share * len(values), 1.0)
+    parts = np.clip(scenarios - np.arange(len(values)), 0.0, 1.0)
+    worst_first = -np.sort(-values, axis=0)
+    # numpy's sum over an axis may round differently from batch to batch
+    return np.asarray(sum(part * value for part, value in zip(parts, worst_first, strict=True)) / scenarios)
+
+
+def check_measure(measure: str, tail: float) -> None:
+    """Raise unless a measure is one of `RISK_MEASURES` and its tail a share."""
+    check(measure in RISK_MEASURES, "study.measure", measure, f"one of {', '.join(RISK_MEASURES)}")
+    check(0 < tail <= 1, "study.tail", tail, "a share > 0 and <= 1 of the scenarios")
 
 
 def regret(values: Array, references: Array, name: str) -> Array:

@@ -1,8 +1,7 @@
-"""Scenarios, variants of a scene that are drawn once and then the same for every foot, and risk measures.
+"""Scenarios: variants of a scene that are drawn once and then the same for every foot, and laws of its sand.
 
 A foot is made before the sand is known, and the walker never weighs or steps quite as planned. A
-`Spread` says how far a scene's parameters lie apart, `draw` makes scenarios of it, and `risk` judges a foot
-over all of them: by the mean, the worst case, or the mean of the worst tail.
+`Spread` says how far a scene's parameters lie apart, `draw` makes scenarios of it.
 """
 
 from __future__ import annotations
@@ -13,8 +12,8 @@ from itertools import zip_longest
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from footopt.arrays import Array
 from footopt.effects import EFFECTS, Effect, name_of
 from footopt.errors import check, check_whole
 from footopt.foot import Waypoints
@@ -22,11 +21,6 @@ from footopt.gait import Gait
 from footopt.gait.fourier import Fourier
 from footopt.sand import Sand
 from footopt.walk.scene import Scene
-
-Array = NDArray[np.float64]
-
-#: How values over scenarios become one; "tail" is the mean over the worst share of them (CVaR).
-RISK_MEASURES = ("mean", "tail", "worst")
 
 DEFORMATION = 2  # harmonics, beside the mean, by which an angle differs from stride to stride
 
@@ -204,35 +198,3 @@ def _moved(angle: Fourier, swing: float, change: Array) -> Fourier:
         tuple(swing * c + float(d) for c, d in zip_longest(angle.a, cosines, fillvalue=0.0)),
         tuple(swing * c + float(d) for c, d in zip_longest(angle.b, sines, fillvalue=0.0)),
     )
-
-
-def risk(values: Array, measure: str, tail: float) -> Array:
-    """A risk measure over equally probable scenarios of values to be minimised.
-
-    Parameters
-    ----------
-    values : (scenarios, ...)
-        To be minimised.
-    measure : str
-        In `RISK_MEASURES`.
-    tail : float
-        The share of the scenarios that "tail" averages over, the worst ones: the conditional value at
-        risk (Rockafellar & Uryasev 2000), with a part of a scenario where the tail ends inside it.
-
-    Returns
-    -------
-    (...)
-        Of each value over all scenarios.
-    """
-    share = {"mean": 1.0, "tail": tail, "worst": 0.0}[measure]
-    scenarios = max(share * len(values), 1.0)
-    parts = np.clip(scenarios - np.arange(len(values)), 0.0, 1.0)
-    worst_first = -np.sort(-values, axis=0)
-    # numpy's sum over an axis may round differently from batch to batch
-    return np.asarray(sum(part * value for part, value in zip(parts, worst_first, strict=True)) / scenarios)
-
-
-def check_measure(measure: str, tail: float) -> None:
-    """Raise unless a measure is one of `RISK_MEASURES` and its tail a share."""
-    check(measure in RISK_MEASURES, "study.measure", measure, f"one of {', '.join(RISK_MEASURES)}")
-    check(0 < tail <= 1, "study.tail", tail, "a share > 0 and <= 1 of the scenarios")

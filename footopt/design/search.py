@@ -16,8 +16,9 @@ from typing import Any
 from numpy.typing import ArrayLike
 from threadpoolctl import threadpool_limits
 
+from footopt.arrays import Ints
 from footopt.design.archive import Archive, Evaluator
-from footopt.design.problem import FootProblem, Ints
+from footopt.design.problem import FootProblem
 from footopt.design.result import Generation, SearchResult
 from footopt.design.solvers import AUTO, EXHAUSTIVE, Solver
 from footopt.design.store import Store
@@ -130,8 +131,8 @@ def ask_and_tell(
     """
     from footopt.design.asking import Algorithm
 
-    algorithm = Algorithm(problem, solver, start, termination)
     archive = Archive(problem, evaluator)
+    algorithm = Algorithm(problem, solver, archive.known, start, termination)
     most = math.inf if termination is not None and not solver.walks else solver.most
     started, interrupted, stopped = time.perf_counter(), False, ""
     try:

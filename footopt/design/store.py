@@ -23,8 +23,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from footopt.arrays import Array
 from footopt.compiled import sources, target
-from footopt.design.problem import Array, FootProblem
+from footopt.design.problem import FootProblem
 from footopt.errors import FileError, named
 from footopt.walk.objectives import MEASURES
 from footopt.walk.own_code import is_own, own_code, source_of

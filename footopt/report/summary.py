@@ -26,7 +26,7 @@ from footopt.report.figures.search import scatter_matrix
 from footopt.report.numbers import number, percent
 from footopt.report.page.file import column, packed
 from footopt.report.style import save
-from footopt.report.terminal import console, describe_model, table
+from footopt.report.terminal import console, table
 
 ROOM, COLUMN = 26, 10  # letters of its first and last column, and of each between
 SEED = "solver.seed"
@@ -123,7 +123,6 @@ def compare(folder: Path, folders: Sequence[Path]) -> int:
     common = set.intersection(*(set(run.overrides) for run in runs)) if len(runs) > 1 else set()
     own = [[word for word in run.overrides if word not in common] for run in runs]
     about = [f"{len(runs)} runs in {base}" + (f", all with {' '.join(sorted(common))}" if common else "")]
-    about += describe_model(run.result.get("model_error") for run in runs)
     out.print("\n".join(about), soft_wrap=True)
     _print_table(
         folder, runs, [f"{n}: {' '.join(w) or 'by default'}" for n, w in zip(names, own, strict=True)]

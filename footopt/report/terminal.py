@@ -226,18 +226,6 @@ def describe_confirmation(confirmed: Confirmation) -> str:
     return f"{finalists} finalists evaluated again at accuracy {accuracy}: {change}, {verdict}"
 
 
-def describe_model(found: Iterable[Mapping[str, float | None] | None]) -> list[str]:
-    """The model's errors of one or more walks in a line, each as a range; none where there are none."""
-    given = [errors for errors in found if errors]
-    each = []
-    for name in dict.fromkeys(name for errors in given for name in errors):
-        own = [error for errors in given if (error := errors.get(name)) is not None]
-        ends = dict.fromkeys(percent(end) for end in (min(own), max(own))) if own else ()
-        each += [f"{name.replace('_', ' ')} {' to '.join(ends)}"] if ends else []
-    about = "Model error, from experiments on sand (study=validate) and the spread of zeta"
-    return [f"{about}: {', '.join(each)}"] if each else []
-
-
 def print_validity(out: Console, diagnostics: Sequence[Diagnostic]) -> None:
     """The validity of a walk, with a warning for each value outside the tested range."""
     out.print("Validity: " + "; ".join(f"{d.name} {quantity(d.value, d.unit)}" for d in diagnostics))

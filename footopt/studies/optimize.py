@@ -1,6 +1,7 @@
 """Which foot should I print? Search the design space, and leave the best foot in every form."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import asdict, replace
 from typing import Any
 
@@ -26,52 +27,49 @@ from footopt.foot import Foot, Waypoints
 from footopt.report import terminal
 from footopt.report.numbers import number, percent, quantity, title
 from footopt.report.output import foot_entry, report_generations
-from footopt.studies import laws
 from footopt.studies.build import make_problem
 from footopt.studies.effects import choose_effects
+from footopt.studies.laws import Laws, evaluated
 from footopt.studies.runs import Study
-from footopt.studies.simulate import check_film, judged, write_film, write_walk
-from footopt.walk import MEASURES, Accuracy, gain_shares, simulate
+from footopt.studies.simulate import check_files, judged, write_film, write_walk
+from footopt.walk import MEASURES, Accuracy, Walk, gain_shares, simulate
 from footopt.walk.ladder import SHARE, ladder, numerics
+from footopt.walk.validity import Diagnostic
 
 LEADERS = 4  # best soles of an enumerated space that are drawn in one frame
 
 
 def run(study: Study) -> Any:
     """Search, then walk with the best foot and leave everything about it; returns its values."""
-    config, options = study.config, study.options
-    check_film(study)
-    share = options.laws
+    options, share = study.options, study.options.laws
     check(share is None or 0.0 < share <= 1.0, "study.laws", share, "null, or a share > 0 and <= 1")
     solver = study.solver()
+    check_files(study, Foot.flat(study.space))
     scene, chosen = choose_effects(study)
-    problem = make_problem(config, scene)
+    problem = make_problem(study.config, scene)
     study.say(terminal.describe_setup(scene, problem.space))
-    finer = study.finer_accuracy
     with study.compiling():
-        flat = simulate(Foot.flat(problem.space), scene, finer)
+        flat = simulate(Foot.flat(problem.space), scene, study.finer_accuracy)
     result, confirmed, certificate = _search(study, problem, solver, flat.objectives["efficiency"])
     k = result.k[confirmed.designs[0]]
     best = replace(Foot.from_waypoints(k, problem.space), name=f"best of {solver.name}")
-    walk = simulate(best, scene, finer)
+    walk = simulate(best, scene, study.finer_accuracy)
     entry, diagnostics = judged(study, walk, flat, problem.record, chosen)
-    values, base, errors = (entry[name] for name in ("objectives", "flat", "error_estimate"))
-    walked = study.wants_report and options.confirm
-    under = laws.evaluated(study, result, confirmed) if walked else None
-    printed = None if under is None or options.laws is None else under.steadiest
+    values, base = entry["objectives"], entry["flat"]
+    laws = evaluated(study, result, confirmed)
 
     if study.wants_report:
         files.write_csv(study.folder / "designs.csv", result.columns)
     if study.wants_figures:
         _draw(study, result, confirmed.designs[:LEADERS], base)
     notes = write_walk(study, walk, {"best": walk, "flat": flat})
-    if under is not None and printed is not None:
-        write_all(laws.to_print(problem, under.k[printed]), study.folder, config.foot.block, "to_print")
+    if laws.to_print is not None:
+        write_all(laws.to_print, study.folder, study.config.foot.block, "to_print")
     record = study.write_result(
         {
             "design": foot_entry(best),
             **entry,
-            **({} if under is None else laws.entry(problem, under, printed)),
+            **laws.entry,
             "gain_shares": gain_shares(values, base),
             **_search_entry(result, confirmed, options.finalists),
             "certificate": certificate and {"says": str(certificate), **asdict(certificate)},
@@ -84,40 +82,47 @@ def run(study: Study) -> Any:
         shown = page.search_content(result, confirmed, walk, flat, record)
         page.write(study.folder / "report.html", shown | study.origin)
     write_film(study, walk)
-
-    several = problem.n_obj > 1
-    by = problem.choice.by if several else problem.ranking_objective
-    which = f"Of the front {FRONT_RULES[problem.choice.by]}" if several else "Best foot"
-    sought = "efficiency" if several else by
-    ranges = {} if under is None else under.range_of(0)
-    rank = laws.describe_rank(problem, under, record["better_than_flat_zeta"]) if under is not None else ""
-    study.say(f"{which} for {terminal.describe_scene(scene)}: {terminal.describe_foot(best)}")
-    study.say(
-        terminal.headline(sought, values[sought], base[sought], ranges),
-        terminal.objective_table("best", values, base, under=ranges, told=sought),
-        rank + terminal.describe_errors(errors, values),
-        _sentence(result, confirmed, certificate),
-        *([] if under is None or printed is None else laws.describe_printed(problem, under, printed)),
-    )
-    if options.details:
-        study.say(
-            terminal.describe_search(result),
-            terminal.describe_confirmation(confirmed),
-            *([] if certificate is None else [str(certificate)]),
-            terminal.objective_table("best", values, base, errors),
-            *terminal.describe_model([entry["model_error"]]),
-        )
-        terminal.print_validity(study.console, diagnostics)
-    elif outside := [d.name for d in diagnostics if d.outside]:
-        see = " (report.html says why)" if study.wants_report else ""
-        terminal.warn(study.console, f"outside the tested range: {', '.join(outside)}{see}.")
-    for words in (*_warnings(problem, values, base, by), *terminal.describe_few(result)):
-        terminal.warn(study.console, words)
+    _tell(study, walk, entry, diagnostics, laws, result, confirmed, certificate)
     study.close()
     if result.interrupted:
         done, every = len(result.history), solver.generations(problem.space)
         raise KeyboardInterrupt(f"after {solver.unit} {done} of {every}, with a full report")
     return values
+
+
+def _tell(
+    study: Study, walk: Walk, entry: dict[str, Any], diagnostics: Sequence[Diagnostic], laws: Laws,
+    result: SearchResult, confirmed: Confirmation, certificate: Certificate | None,
+) -> None:  # fmt: skip
+    """Print the answer, and warnings about it; everything else about it with study.details."""
+    problem, values, base, errors = (
+        result.problem,
+        *(entry[n] for n in ("objectives", "flat", "error_estimate")),
+    )
+    several = problem.n_obj > 1
+    sought = "efficiency" if several else problem.ranking_objective
+    which = f"Of the front {FRONT_RULES[problem.choice.by]}" if several else "Best foot"
+    study.say(
+        f"{which} for {terminal.describe_scene(walk.scene)}: {terminal.describe_foot(walk.foot)}",
+        terminal.headline(sought, values[sought], base[sought], laws.ranges),
+        terminal.objective_table("best", values, base, under=laws.ranges, told=sought),
+        laws.rank + terminal.describe_errors(errors, values),
+        _sentence(result, confirmed, certificate),
+        *laws.printed,
+    )
+    if study.options.details:
+        study.say(
+            terminal.describe_search(result),
+            terminal.describe_confirmation(confirmed),
+            *([] if certificate is None else [str(certificate)]),
+            terminal.objective_table("best", values, base, errors),
+        )
+        terminal.print_validity(study.console, diagnostics)
+    elif outside := [d.name for d in diagnostics if d.outside]:
+        see = " (report.html says why)" if study.wants_report else ""
+        terminal.warn(study.console, f"outside the tested range: {', '.join(outside)}{see}.")
+    for words in (*_warnings(problem, values, base), *terminal.describe_few(result)):
+        terminal.warn(study.console, words)
 
 
 def _sentence(result: SearchResult, confirmed: Confirmation, certificate: Certificate | None) -> str:
@@ -132,12 +137,9 @@ def _sentence(result: SearchResult, confirmed: Confirmation, certificate: Certif
     return f"Search: {'; '.join([f'{result.designs:,} of {space.K}^{space.n} soles', *told])}."
 
 
-def _warnings(problem: FootProblem, values: dict[str, float], base: dict[str, float], by: str) -> list[str]:
-    """Warnings about the best design: it is no better than the flat sole, or breaks a limit.
-
-    `by` is the measure by which it is the best, or how it is chosen of a front.
-    """
-    said = []
+def _warnings(problem: FootProblem, values: dict[str, float], base: dict[str, float]) -> list[str]:
+    """Warnings about the best design: it is no better than the flat sole, or breaks a limit."""
+    said, by = [], problem.choice.by if problem.n_obj > 1 else problem.ranking_objective
     if by in MEASURES and MEASURES[by].sign * (values[by] - base[by]) >= 0.0:
         compared = f"{number(values[by])} against {number(base[by])}"
         said.append(f"The flat sole is as good or better in {title(by)}: {compared}. Search longer.")

@@ -26,8 +26,7 @@ from footopt.report.output import foot_entry, report_generations, scene_entry
 from footopt.studies import build
 from footopt.studies.runs import Study
 from footopt.studies.settings import Config
-from footopt.studies.validation.model import model_error
-from footopt.walk import MEASURES, Simulator, simulate
+from footopt.walk import MEASURES, Simulator
 from footopt.walk.ladder import numerics
 
 Heights = dict[str, Ints]  # of soles, by the feet's names
@@ -85,7 +84,6 @@ def run(study: Study) -> None:
     _write_files(study, judge, compared, foot, result)
     shown = soles if len(soles) <= 1 + SHOWN else {ROBUST: soles[ROBUST]}
     study.save("contours", figures.contours(shown), "The specialists' soles and the robust one.")
-    model = model_error(simulate(foot, scene, finer), spread=make_spread(config).zeta)
     objectives, names = judge.walk(feet[ROBUST][None])[0][0], [s.name for s in scenarios]
     study.conclude(
         "One foot for everything",
@@ -93,7 +91,6 @@ def run(study: Study) -> None:
         {
             "design": foot_entry(foot),
             "objectives": dict(zip(judge.record, objectives.tolist(), strict=True)),
-            "model_error": model,
             "measure": {"name": options.measure, "tail": options.tail, "of": judge.ranking_objective},
             "feet": {name: k.tolist() for name, k in feet.items()},
             "hollow_mm": {name: 1e3 * sole.hollow for name, sole in soles.items()},
@@ -114,7 +111,6 @@ def run(study: Study) -> None:
         summary=[
             f"Robust foot: {terminal.describe_foot(foot)}",
             *_remarks(names, compared),
-            *terminal.describe_model([model]),
         ],
     )
 

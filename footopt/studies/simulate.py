@@ -9,6 +9,7 @@ from rich.text import Text
 
 from footopt.files import io as files
 from footopt.files.feet import write_all, write_foot
+from footopt.files.outline import body_outline
 from footopt.foot import Foot
 from footopt.report import terminal
 from footopt.report.numbers import title
@@ -16,7 +17,6 @@ from footopt.report.output import foot_entry, scene_entry
 from footopt.studies.build import make_space, make_strides
 from footopt.studies.effects import choose_effects
 from footopt.studies.runs import Study, foot_of
-from footopt.studies.validation.model import model_error
 from footopt.walk import Walk, simulate
 from footopt.walk.phases import stance
 from footopt.walk.resolution import error_of, resolution
@@ -25,9 +25,9 @@ from footopt.walk.validity import Diagnostic, diagnose
 
 def run(study: Study) -> Any:
     """Walk with one foot and leave everything about the walk; returns its values."""
-    check_film(study)
     folder, k, accuracy = study.options.run, study.config.foot.k, study.accuracy
     foot = study.foot if folder is None else foot_of(Path(folder), k)
+    check_files(study, foot)
     scene, chosen = choose_effects(study, foot)
     study.say(terminal.describe_setup(scene, foot))
     with study.compiling():
@@ -68,7 +68,6 @@ def run(study: Study) -> Any:
         study.say(Text(f"The walk failed: {walk.reason} after {len(walk.t)} steps of time.", style="yellow"))
     others = None if flat is walk else base
     study.say(terminal.objective_table("this sole", values, others, entry["error_estimate"]))
-    study.say(*terminal.describe_model([entry["model_error"]]))
     terminal.print_validity(study.console, diagnostics)
     study.close()
     return values
@@ -100,7 +99,6 @@ def judged(
         "objectives": walk.measures(names),
         "flat": flat.measures(names),
         "error_estimate": errors,
-        "model_error": model_error(walk, study.config.sand.spread),
         **scene_entry(walk.scene, walk.accuracy, names),
         "validity": {d.name: d.value for d in diagnostics},
         "validity_units": {d.name: d.unit for d in diagnostics},
@@ -133,8 +131,10 @@ def write_walk(study: Study, walk: Walk, walks: Mapping[str, Walk]) -> list[str]
     return notes
 
 
-def check_film(study: Study) -> None:
-    """Raise a `SettingError` before anything is walked if `study.video` cannot be written."""
+def check_files(study: Study, foot: Foot) -> None:
+    """Raise a `SettingError` before anything is walked: foot.block is not on a foot, or no study.video."""
+    if study.config.foot.block is not None:
+        body_outline(foot, study.config.foot.block)
     if study.options.video is not None:
         from footopt.report import film
 

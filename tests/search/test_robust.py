@@ -12,8 +12,8 @@ from searching import SMALL
 
 import footopt as fo
 from footopt.design import Solver, Store, confirm, search
-from footopt.design.robust import own_best, regret
-from footopt.design.scenarios import RISK_MEASURES, risk, sands
+from footopt.design.robust import RISK_MEASURES, regret, risk
+from footopt.design.scenarios import sands
 from footopt.design.store import context, differences, digest
 from footopt.errors import FootoptError, SettingError
 from footopt.walk.accuracy import PRESETS
@@ -173,15 +173,10 @@ class TestRobustProblem:
         specialists = every[j[..., 0].argmin(axis=1)]
         assert 0 < worst.min() < (1 + together.walk(specialists)[0][:, 5]).min()
 
-    def test_own_bests_are_kept_in_a_store_and_are_the_default(self, tmp_path):
-        space, store = fo.Waypoints(n=4, K=3), tmp_path / "s.sqlite"
-        kept = own_best(SANDS[:2], space=space, accuracy=COARSE, store=store)
-        with Store(store, fo.FootProblem(SANDS[1].scene, space=space, accuracy=COARSE)) as s:
-            assert len(s) > 30
-        p = fo.RobustProblem(SANDS[:2], space=space, accuracy=COARSE)
-        np.testing.assert_array_equal(kept, p.references)
+    def test_a_scenario_in_which_no_foot_walks_is_named(self):
+        quicksand = fo.Scenario("quicksand", fo.Scene(sand=fo.Sand(1e-3)))
         with pytest.raises(FootoptError, match=r"quicksand: No feasible design"):
-            own_best([fo.Scenario("quicksand", fo.Scene(sand=fo.Sand(1e-3)))], space=space)
+            fo.RobustProblem([quicksand], space=fo.Waypoints(n=4, K=3))
 
     def test_a_store_knows_the_scenarios_and_how_they_are_judged(self, tmp_path):
         others = [

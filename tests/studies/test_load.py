@@ -37,7 +37,7 @@ class TestLoad:
         assert run.config == composed(*WORDS)
         assert run.scene == fo.Scene(sand=fo.Sand.named("soft"), walker=fo.Walker(mass=50.0))
         assert run.foot.k == tuple(run.result["design"]["k"])
-        assert "laws" not in run.result  # nothing is walked again
+        assert not run.result["laws"]  # nothing is walked again
         assert {n: run.walk().objectives[n] for n in run.best} == run.best
         assert repr(run).startswith(f"<Run {run.folder}: sand=soft accuracy=draft")
 

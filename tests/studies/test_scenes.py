@@ -12,7 +12,6 @@ from footopt.effects import EFFECTS
 from footopt.studies import build
 from footopt.studies.stability import judge_case
 from footopt.studies.stability_cases import CASES
-from footopt.studies.validation.model import model_error
 from footopt.walk.accuracy import PRESETS
 from footopt.walk.ladder import numerics
 
@@ -74,8 +73,6 @@ def test_auto_simulates_what_matters_and_what_is_given_and_records_why(given, tm
         name: whether for name, whether in matters.items() if name not in given
     }
     assert "effects=auto: inertia changes" in done.stdout
-    known = model_error(fo.load(only_folder(tmp_path)).walk())
-    assert result["model_error"] == pytest.approx(known)
 
 
 @pytest.mark.slow

@@ -1,7 +1,6 @@
 """study=validate: the rig is the walk's law, the comparison is ASME's, and the pages say what comes out."""
 
 import json
-import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,7 +16,7 @@ import footopt as fo
 from footopt.effects import EFFECTS
 from footopt.studies.runs import run_study
 from footopt.studies.validate import MET, cells, counts
-from footopt.studies.validation import model, rig
+from footopt.studies.validation import rig
 from footopt.studies.validation.compare import (
     AGREES,
     DIFFERS,
@@ -25,7 +24,6 @@ from footopt.studies.validation.compare import (
     Comparison,
     experiments,
 )
-from footopt.walk import FIVE
 
 ALL = experiments()
 DOCS = Path(__file__).parents[2] / "docs" / "evidence" / "validation.md"
@@ -117,40 +115,11 @@ class TestComparison:
 @pytest.mark.parametrize(
     "e", [pytest.param(e, id=n, marks=[pytest.mark.slow] * (n == "people")) for n, e in ALL.items()]
 )
-def test_numbers_are_good_enough_to_judge_and_docs_and_closing_lines_have_them(e):
+def test_numbers_are_good_enough_to_judge_and_docs_have_them(e):
     found = [c for law in e.content["laws"] for c in e.compare(law)]
     assert all(np.isfinite(c.simulated).all() and c.numerical.max() < 0.05 * c.scale for c in found)
     rows = {f"| {' | '.join(row)} |" for row in map(cells, found)}
     assert rows <= set(DOCS.read_text(encoding="utf-8").split("\n"))
-    for c in found:
-        own = model.found()[c.experiment, c.quantity, c.law]
-        assert own["error"] == pytest.approx(c.size / c.scale, rel=1e-3, abs=1e-6)
-        assert own["verdict"] == c.verdict
-
-
-class TestModelError:
-    def test_it_has_all_objectives_and_that_of_the_height_comes_from_the_walks_own_sinkage(self, hard_walk):
-        errors, own = model.model_error(hard_walk, spread=0.0), hard_walk.objectives
-        assert set(errors) == {*FIVE, "efficiency"}
-        sinkage = model.found()["wheel_braked", "sinkage", ()]["error"]
-        assert errors["mean_height"] == pytest.approx(sinkage * own["maximum_sinkage"] / own["mean_height"])
-        assert errors["efficiency"] == pytest.approx(math.hypot(*(errors[name] for name in FIVE)))
-
-    def test_it_has_what_the_spread_of_zeta_changes_in_the_walk_itself(self, hard_walk):
-        law, both = (model.model_error(hard_walk, spread=spread) for spread in (0.0, 0.3))
-        own = hard_walk.objectives
-        sands = [fo.Sand(zeta=5.0 * math.exp(sign * 0.3)) for sign in (-1, 1)]
-        scenes = [replace(hard_walk.scene, sand=sand) for sand in sands]
-        walks = [fo.simulate(hard_walk.foot, scene, hard_walk.accuracy).objectives for scene in scenes]
-        for name in (*FIVE, "efficiency"):
-            change = max(abs(other[name] / own[name] - 1.0) for other in walks)
-            assert both[name] == pytest.approx(math.hypot(law[name], change), rel=1e-9)
-        assert both["work"] > 1.01 * law["work"]
-
-
-@pytest.fixture(scope="module")
-def hard_walk(flat_foot):
-    return fo.simulate(flat_foot)
 
 
 class TestStudy:

@@ -12,7 +12,7 @@ from pymoo.util.display.multi import MultiObjectiveOutput
 from pymoo.util.display.single import SingleObjectiveOutput
 
 from footopt.design.fronts import nondominated, ranks
-from footopt.design.known import Known
+from footopt.design.problem import Known
 from footopt.design.solvers.model import RankModel
 from footopt.design.solvers.moves import IDLE, RandomInside, allowed, exchanged, shifted, shifts
 from footopt.design.solvers.pool import Pool

@@ -38,11 +38,7 @@ const errorOf = (i, name) => Math.abs((i === data.best ? entry.error_estimate : 
 /** The best of a search has its colour, any other sole that of the chosen one; the sole of a single walk that of the figures. */
 const colourOf = (i) => `var(--${i !== data.best ? "chosen" : data.objectives ? "best" : label(i) === "flat" ? "flat" : "line-0"})`;
 
-/** How far the law itself may be off, from experiments on sand. */
-function ofTheLaw() {
-  const poor = Object.entries(entry.model_error ?? {}).filter(([name, error]) => error >= 0.5 && name !== "efficiency");
-  return poor.length ? ` The law of the sand errs by up to ${Math.round(100 * Math.max(...poor.map(([, error]) => error)))} % in ${poor.map(([name]) => name.replaceAll("_", " ")).join(", ")}: compare feet, do not read values as measurements.` : "";
-}
+const OF_THE_LAW = " The law of the sand errs by half and more in many experiments: compare feet, do not read values as measurements.";
 
 /** Bars of change against the flat foot, with error ticks and circles under other sand laws. */
 function bars(i, width) {
@@ -146,8 +142,8 @@ function designSection() {
     answer.replaceChildren(...(compared ? [gain(chosen), toPrint()] : []));
     numbers.replaceChildren(...(compared
       ? [bars(chosen, Math.max(widthOf(numbers), 250)), el("p", { class: "note" }, "Solid: better than the flat foot; dashed: worse. Error ticks: the numerical error.",
-        underLaws(chosen, data.columns[0].name).length ? ` Circles: the result under other sand laws${best || chosen === data.printed ? "" : `, those that this page simulates (${P.others.map(({ law }) => law).join(", ")})`}.` : "", ` ${accuracy}`, gain(chosen) && "J_W, which the paper minimises: −distance × mean height / (work × peak power × speed loss).", ofTheLaw())]
-      : [scrolled("Values", valueTable(chosen, same ? null : entry.flat)), el("p", { class: "note" }, accuracy, ofTheLaw())]));
+        underLaws(chosen, data.columns[0].name).length ? ` Circles: the result under other sand laws${best || chosen === data.printed ? "" : `, those that this page simulates (${P.others.map(({ law }) => law).join(", ")})`}.` : "", ` ${accuracy}`, gain(chosen) && "J_W, which the paper minimises: −distance × mean height / (work × peak power × speed loss).", OF_THE_LAW)]
+      : [scrolled("Values", valueTable(chosen, same ? null : entry.flat)), el("p", { class: "note" }, accuracy, OF_THE_LAW)]));
     exact.refresh();
     warn(chosen);
     tools.redraw();
