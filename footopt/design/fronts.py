@@ -14,12 +14,12 @@ EXACT = 1000  # designs of a front up to which its hypervolume is exact: the tim
 DIRECTIONS = 2048  # that a larger one is estimated in
 BLOCK = 256  # designs that are looked at together
 
-#: Ways to choose, in words.
+#: Ways to choose a design, and what is chosen.
 FRONT_RULES = {
-    "knee": "the design nearest to the ideal point, with objectives scaled to the front",
-    "weights": "the design whose worst weighted distance from the ideal point is least",
-    "limits": "the best in the first objective of those within the limits",
-    "efficiency": "the best in J_W",
+    "knee": "Knee of the front",
+    "weights": "Design of the front by weights",
+    "limits": "Best design of the front within limits",
+    "efficiency": "Design of the front with the best J_W",
 }
 
 

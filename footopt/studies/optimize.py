@@ -101,7 +101,7 @@ def _tell(
     )
     several = problem.n_obj > 1
     sought = "efficiency" if several else problem.ranking_objective
-    which = f"Of the front {FRONT_RULES[problem.choice.by]}" if several else "Best foot"
+    which = FRONT_RULES[problem.choice.by] if several else "Best foot"
     study.say(
         f"{which} for {terminal.describe_scene(walk.scene)}: {terminal.describe_foot(walk.foot)}",
         terminal.headline(sought, values[sought], base[sought], laws.ranges),

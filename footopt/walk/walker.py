@@ -8,8 +8,8 @@ from footopt.sand.law import EARTH
 #: Units and ranges of a walker's numbers, from an insect to an excavator that walks.
 WALKERS = {
     "mass": ("kg", 1e-9, 1e9),
-    "l1": ("m", 1e-4, 100.0),
-    "l2": ("m", 1e-4, 100.0),
+    "l1": ("m", 1e-4, 10.0),
+    "l2": ("m", 1e-4, 10.0),
     "g": ("m/s^2", 1e-6, 1e6),
 }
 
