@@ -5,15 +5,15 @@ designs, and all feet are then evaluated in all scenarios. The robust foot minim
 the relative loss against the best specialist known in a scenario.
 """
 
+from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import asdict, replace
-from typing import Any, NamedTuple
 
 import numpy as np
 from rich.table import Table as RichTable
 
-from footopt.arrays import Array, Ints, Words
-from footopt.design import FootProblem, SearchResult, Solver, confirm, search
+from footopt.arrays import Array
+from footopt.design import Confirmation, FootProblem, SearchResult, Solver, confirm, search
 from footopt.design.robust import RobustProblem, regret
 from footopt.design.scenarios import Scenario, Spread, draw, plausible_laws, sands
 from footopt.design.store import plain
@@ -22,27 +22,16 @@ from footopt.files import io as files
 from footopt.files.feet import write_foot
 from footopt.foot import Foot
 from footopt.report import figures, terminal
-from footopt.report.output import foot_entry, report_generations, scene_entry
+from footopt.report.output import Step, foot_entry, report_generations, scene_entry
 from footopt.studies import build
 from footopt.studies.runs import Study
 from footopt.studies.settings import Config
 from footopt.walk import MEASURES, Simulator
+from footopt.walk.accuracy import AnyAccuracy
 from footopt.walk.ladder import numerics
-
-Heights = dict[str, Ints]  # of soles, by the feet's names
 
 SHOWN = 6  # scenarios that have a column in the table
 ROBUST = "robust"
-
-
-class Comparison(NamedTuple):
-    """All feet in all scenarios."""
-
-    names: tuple[str, ...]  # of the feet: the scenarios' specialists, the robust foot
-    values: Array  # (scenarios, feet, record), natural signs
-    reasons: Words  # (scenarios, feet), of failed walks
-    references: Array  # (scenarios,), the ranking objective of the specialist that is best in each
-    regrets: Array  # (feet, scenarios), against these
 
 
 def run(study: Study) -> None:
@@ -54,53 +43,57 @@ def run(study: Study) -> None:
         scenarios, config.objective.names, study.space, study.accuracy, config.engine.threads,
         options.measure, options.tail, references=np.ones(len(scenarios)),
     )  # fmt: skip
-    feet: Heights = {}
+    k = []  # heights of the specialists, the robust foot
     units = solver.generations(problem.space) * 2 * len(scenarios)
     with study.executor() as executor, study.progress(units, solver.unit) as step:
-        for owner in scenarios:
-            alone = FootProblem(
-                owner.scene, problem.names, owner.space(problem.space), problem.accuracy, problem.threads
-            )
-            tell = report_generations(step, problem.ranking_objective, 1, f"{owner.name}: ")
-            result = searched(study, alone, solver, owner.name, executor, tell)
-            feet[owner.name] = result.k[confirm(result, finer, options.finalists).designs[0]]
-            study.say(f"specialist, {owner.name}: {terminal.describe_search(result)}")
-        problem.references = compare(problem, feet).references
-        sought = f"{options.measure} {problem.ranking_objective} relative to the specialists'"
-        tell = report_generations(step, sought, len(scenarios), f"{ROBUST}: ")
-        result = searched(study, problem, solver, ROBUST, executor, tell)
-    confirmed = confirm(result, finer, options.finalists)
-    feet[ROBUST] = result.k[confirmed.designs[0]]
-    study.say(
-        f"{ROBUST}: {terminal.describe_search(result)}",
-        terminal.describe_confirmation(confirmed),
-    )
+        for s in scenarios:
+            space = s.space(problem.space)
+            alone = FootProblem(s.scene, problem.names, space, problem.accuracy, problem.threads)
+            result, confirmed = searched(study, alone, solver, s.name, finer, executor, step)
+            k.append(result.k[confirmed.designs[0]])
+        problem.references, _ = compare(problem, problem.walk_each(np.array(k))[0])
+        result, confirmed = searched(study, problem, solver, ROBUST, finer, executor, step, len(scenarios))
+    study.say(terminal.describe_confirmation(confirmed))
+    k.append(result.k[confirmed.designs[0]])
 
-    judge = problem.at(finer)
+    judge, names = problem.at(finer), [*(s.name for s in scenarios), ROBUST]
     judge.references = np.ones(len(scenarios))  # values as they are
-    compared = compare(judge, feet)
-    soles = {name: Foot.from_waypoints(k.tolist(), judge.space) for name, k in feet.items()}
+    values, reasons = judge.walk_each(np.array(k))
+    _, regrets = compare(judge, values)
+    soles = {
+        name: Foot.from_waypoints(heights.tolist(), judge.space)
+        for name, heights in zip(names, k, strict=True)
+    }
     foot = replace(soles[ROBUST], name=ROBUST)
-    _write_files(study, judge, compared, foot, result)
+    write_foot(foot, study.folder / "contour.csv")
+    if study.wants_report:
+        rows = (
+            [name, s.name, *values[j, i].tolist(), reasons[j, i], regrets[i, j]]
+            for i, name in enumerate(names)
+            for j, s in enumerate(scenarios)
+        )
+        study.write_csv("regrets.csv", ["foot", "scenario", *judge.record, "reason", "regret"], rows)
+        files.write_csv(study.folder / "designs.csv", result.columns)
+        write_foot(foot, study.folder / "contour.dxf")
     shown = soles if len(soles) <= 1 + SHOWN else {ROBUST: soles[ROBUST]}
     study.save("contours", figures.contours(shown), "The specialists' soles and the robust one.")
-    objectives, names = judge.walk(feet[ROBUST][None])[0][0], [s.name for s in scenarios]
+    objectives = judge.walk(k[-1][None])[0][0]
     study.conclude(
         "One foot for everything",
-        [table(judge, compared)],
+        [table(judge.ranking_objective, names, regrets)],
         {
             "design": foot_entry(foot),
             "objectives": dict(zip(judge.record, objectives.tolist(), strict=True)),
             "measure": {"name": options.measure, "tail": options.tail, "of": judge.ranking_objective},
-            "feet": {name: k.tolist() for name, k in feet.items()},
+            "feet": {name: sole.k for name, sole in soles.items()},
             "hollow_mm": {name: 1e3 * sole.hollow for name, sole in soles.items()},
             "scenarios": [
                 {**plain(s), "accuracy": asdict(numerics(finer, s.scene, s.space(judge.space)))}
                 for s in scenarios
             ],
             "regrets": {
-                name: dict(zip(names, row, strict=True))
-                for name, row in zip(compared.names, compared.regrets.tolist(), strict=True)
+                name: dict(zip(names, row, strict=False))
+                for name, row in zip(names, regrets.tolist(), strict=True)
             },
             **scene_entry(scene, numerics(finer, scene, judge.space), judge.record),
             "search_accuracy": asdict(numerics(problem.accuracy, scene, judge.space)),
@@ -108,10 +101,7 @@ def run(study: Study) -> None:
             "seed": solver.seed,
             "evaluations": result.evaluations,
         },
-        summary=[
-            f"Robust foot: {terminal.describe_foot(foot)}",
-            *_remarks(names, compared),
-        ],
+        summary=[f"Robust foot: {terminal.describe_foot(foot)}", *_remarks(names, regrets)],
     )
 
 
@@ -146,9 +136,14 @@ def make_spread(config: Config) -> Spread:
 
 
 def searched(
-    study: Study, problem: FootProblem, solver: Solver, name: str, executor: Executor | None, tell: Any
-) -> SearchResult:
-    """A search whose evaluations are kept; an interrupted one ends the study."""
+    study: Study, problem: FootProblem, solver: Solver, name: str, finer: AnyAccuracy,
+    executor: Executor | None, step: Step, units: int = 1,
+) -> tuple[SearchResult, Confirmation]:  # fmt: skip
+    """A search whose evaluations are kept, and its finalists; an interrupted one ends the study.
+
+    `step` counts each of its generations as some units.
+    """
+    tell = report_generations(step, problem.ranking_objective, units, f"{name}: ")
     try:
         with study.store(problem) as store:
             result = search(problem, solver, tell, store, executor)
@@ -156,55 +151,40 @@ def searched(
         raise FootoptError(f"{name}: {error}") from None
     if result.interrupted:
         raise KeyboardInterrupt(f"while searching a foot for {name}")
-    return result
+    study.say(f"{name}: {terminal.describe_search(result)}")
+    return result, confirm(result, finer, study.options.finalists)
 
 
-def compare(judge: RobustProblem, feet: Heights) -> Comparison:
-    """Evaluate all feet in all scenarios."""
-    values, reasons = judge.walk_each(np.array(list(feet.values())))
-    ranked = values[..., judge.record.index(judge.ranking_objective)]
-    specialists = ranked[:, [name != ROBUST for name in feet]]
-    sign = MEASURES[judge.ranking_objective].sign
-    references = sign * np.nanmin(sign * specialists, axis=1)
-    regrets = regret(ranked, references[:, None], judge.ranking_objective).T
-    return Comparison(tuple(feet), values, reasons, references, regrets)
+def compare(judge: RobustProblem, values: Array) -> tuple[Array, Array]:
+    """The ranking objective of the best specialist in each scenario, (scenarios,), and all feet's regrets.
 
-
-def _write_files(
-    study: Study, judge: RobustProblem, compared: Comparison, foot: Foot, result: SearchResult
-) -> None:
-    """The robust foot's contour; for a report, the regrets and every evaluated design."""
-    rows = (
-        [name, s.name, *compared.values[j, i].tolist(), compared.reasons[j, i], compared.regrets[i, j]]
-        for i, name in enumerate(compared.names)
-        for j, s in enumerate(judge.scenarios)
+    `values` (scenarios, feet, record) begin with the specialists; regrets are (feet, scenarios).
+    """
+    ranked, sign = (
+        values[..., judge.record.index(judge.ranking_objective)],
+        MEASURES[judge.ranking_objective].sign,
     )
-    write_foot(foot, study.folder / "contour.csv")
-    if study.wants_report:
-        study.write_csv("regrets.csv", ["foot", "scenario", *judge.record, "reason", "regret"], rows)
-        files.write_csv(study.folder / "designs.csv", result.columns)
-        write_foot(foot, study.folder / "contour.dxf")
+    references = sign * np.nanmin(sign * ranked[:, : len(judge.scenarios)], axis=1)
+    return references, regret(ranked, references[:, None], judge.ranking_objective).T
 
 
-def table(judge: RobustProblem, compared: Comparison) -> RichTable:
-    """The regrets for the terminal."""
-    scenarios = [s.name for s in judge.scenarios]
-    title = judge.ranking_objective.replace("_", " ")
-    columns = scenarios if len(scenarios) <= SHOWN else []
+def table(objective: str, feet: Sequence[str], regrets: Array) -> RichTable:
+    """The regrets for the terminal; scenarios have the names of their specialists."""
+    columns = feet[:-1] if len(feet) <= 1 + SHOWN else []
     shown = terminal.table(
         ("foot", *columns, "mean", "worst"),
         words=("foot",),
-        title=f"{title} lost against the best specialist in each scenario (%)",
+        title=f"{objective.replace('_', ' ')} lost against the best specialist in each scenario (%)",
     )
-    for name, row in zip(compared.names, 100.0 * compared.regrets, strict=True):
+    for name, row in zip(feet, 100.0 * regrets, strict=True):
         numbers = (*row[: len(columns)], row.mean(), row.max())
         shown.add_row(name, *(f"{v:.2f}" if np.isfinite(v) else "failed" for v in numbers))
     return shown
 
 
-def _remarks(scenarios: list[str], compared: Comparison) -> list[str]:
+def _remarks(feet: Sequence[str], regrets: Array) -> list[str]:
     """Where a specialist is not the best of its scenario."""
-    beaten = [name for i, name in enumerate(scenarios) if compared.regrets[i, i] > 0.0]
+    beaten = [name for name, own in zip(feet, regrets.diagonal(), strict=False) if own > 0.0]
     if not beaten:
         return []
     return [

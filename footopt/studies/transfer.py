@@ -8,14 +8,13 @@ import numpy as np
 from rich.table import Table
 
 from footopt.arrays import Ints
-from footopt.design import FootProblem, Solver, confirm
+from footopt.design import FootProblem, Solver
 from footopt.design.robust import regret
 from footopt.errors import SettingError, check, check_whole
 from footopt.foot import Foot, Waypoints
 from footopt.report import terminal
 from footopt.report.figures.studies import transfer as draw
 from footopt.report.numbers import number
-from footopt.report.output import report_generations
 from footopt.sand import MEDIA, Sand
 from footopt.studies.robust import searched
 from footopt.studies.runs import Study
@@ -115,13 +114,11 @@ def named(sand: Any) -> Sand:
 def _designed(study: Study, side: Side, objective: str, solver: Solver, executor: Executor | None) -> Foot:
     """The best foot that a search on one side finds, its finalists walked more finely."""
     problem = FootProblem(side.simulator, objective, study.space, side.accuracy, study.config.engine.threads)
-    asked = replace(solver, walks=side.walks)
-    name = f"{problem.scene.title}, {side.name}"
+    asked, name = replace(solver, walks=side.walks), f"{problem.scene.title}, {side.name}"
     with study.progress(asked.generations(study.space), asked.unit) as step:
-        result = searched(study, problem, asked, name, executor, report_generations(step, objective))
-    study.say(f"{name}: {terminal.describe_search(result)}")
-    best = confirm(result, side.finer, study.options.finalists).designs[0]
-    return replace(Foot.from_waypoints(result.k[best].tolist(), study.space), name=side.name)
+        result, confirmed = searched(study, problem, asked, name, side.finer, executor, step)
+    best = result.k[confirmed.designs[0]].tolist()
+    return replace(Foot.from_waypoints(best, study.space), name=side.name)
 
 
 def _compared(
