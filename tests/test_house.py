@@ -52,7 +52,7 @@ def imports(path):
 
 
 #: Files that are about certain effects: hard cases, and what an experiment measured.
-EXPERIMENTS = ("footopt.studies.stability_cases", "footopt.studies.validation.rig")
+EXPERIMENTS = ("footopt.studies.stability_cases", "footopt.studies.validate.rig")
 #: Names of effects that are also words for something else.
 WORDS = {"layers", "patches", "rest", "slope"}
 

@@ -76,13 +76,13 @@ class Verdict(NamedTuple):
     truth: Walk
 
     @property
-    def row(self) -> str:
+    def title(self) -> str:
         """The case, and by how much refinement still moves its reference."""
         if self.truth.reason:
             return self.case.name
         value = next(m.value for m in self.measures if m.name == "truth")
         length = f"{max(1e6 * value, 0.01):.1g} µm"
-        return f"{self.case.name} (±{length if stands_still(self.walk.scene) else percent(value)})"
+        return f"{self.case.name}\n(±{length if stands_still(self.walk.scene) else percent(value)})"
 
     @property
     def decides(self) -> Measure:
@@ -95,11 +95,11 @@ class Verdict(NamedTuple):
         return self.decides.ratio <= 1.0
 
     @property
-    def fault(self) -> str:
-        """The measure that decides and its value to two digits; nothing of a stable walk."""
+    def told(self) -> str:
+        """The verdict in a table: of a walk that is not stable the measure that decides, and its value."""
         name, value, limit = self.decides
         number = f" {value:.2g}".replace("e-0", "e-").replace("e+0", "e") if limit else ""
-        return "" if self.stable else f"{name}{number}"
+        return "ok" if self.stable else f"NO {name}{number}"
 
 
 def run(study: Study) -> None:
@@ -113,13 +113,11 @@ def run(study: Study) -> None:
             simulate(study.foot, study.scene, replace(study.accuracy, stepper=stepper))
     with study.progress(len(cases) * len(methods), "walk") as step:
         found = [judge_case(case, base, methods, partial(step, news=case.name)) for case in cases]
-    faults = {row[0].row: [v.fault for v in row] for row in found}
-    stable = {m: [row[i] for row in faults.values()].count("") for i, m in enumerate(methods)}
+    stable = {method: sum(row[i].stable for row in found) for i, method in enumerate(methods)}
     titles = ["case, and its reference", *(method.replace("_", " ") for method in methods)]
     table = terminal.table(titles, titles)
-    for name, row in faults.items():
-        told = (Text(f"NO {fault}", "bold red") if fault else "ok" for fault in row)
-        table.add_row(name.replace(" (±", "\n(±"), *told)
+    for row in found:
+        table.add_row(row[0].title, *(Text(v.told, "" if v.stable else "bold red") for v in row))
     table.add_section()
     table.add_row("stable cases", *(f"{count} of {len(cases)}" for count in stable.values()))
     study.conclude(

@@ -1,17 +1,15 @@
 """study=transfer: feet designed on the planar walker and on a robot, each walked on both."""
 
-from concurrent.futures import Executor
-from dataclasses import asdict, dataclass, replace
-from typing import Any
+from dataclasses import asdict, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 from rich.table import Table
 
-from footopt.arrays import Ints
 from footopt.design import FootProblem, Solver
 from footopt.design.robust import regret
 from footopt.errors import SettingError, check, check_whole
-from footopt.foot import Foot, Waypoints
+from footopt.foot import Foot
 from footopt.report import terminal
 from footopt.report.figures.studies import transfer as draw
 from footopt.report.numbers import number
@@ -30,8 +28,7 @@ CAPTION = (
 )
 
 
-@dataclass(frozen=True)
-class Side:
+class Side(NamedTuple):
     """One of the two simulators on a sand, and how finely it searches and judges."""
 
     name: str
@@ -41,8 +38,7 @@ class Side:
     walks: int | None
 
 
-@dataclass(frozen=True)
-class Comparison:
+class Comparison(NamedTuple):
     """Feet on one sand: the flat one, that of the walker and that of the robot, walked on both."""
 
     sand: Sand
@@ -63,18 +59,13 @@ def run(study: Study) -> None:
     if isinstance(robot, Scene):
         raise SettingError("simulator", WALKER, "a robot, to compare with the walker", "Try simulator=biped.")
     solver = study.solver()
-    k = study.space.random(options.soles, seed=study.config.solver.seed, inside=True)
-    planar, found = resolve("standard"), []
+    planar, found = resolve("standard"), list[Comparison]()
     for sand in map(named, options.sands):
         sides = (
             Side(WALKER, replace(study.scene, sand=sand), planar, confirming("finer", planar), options.walks),
             Side(ROBOT, replace(robot, sand=sand), study.accuracy, study.finer_accuracy, solver.walks),
         )
-        with study.executor() as executor:
-            feet = {FLAT: Foot.flat(study.space)}
-            for side in sides:
-                feet[side.name] = _designed(study, side, names[0], solver, executor)
-        found.append(_compared(sand, sides, feet, names[0], k, study.space, study.config.engine.threads))
+        found.append(_compared(study, sand, sides, names[0], solver))
         study.say(describe(found[-1], names[0]))
     columns = [*found[0].values[ROBOT][FLAT]]
     rows = (
@@ -94,7 +85,7 @@ def run(study: Study) -> None:
             "objective_names": names,
             "search_accuracy": asdict(numerics(study.accuracy, robot, study.space)),
             "transfer": [
-                vars(t)
+                t._asdict()
                 | {"sand": t.sand.name, "zeta": t.sand.zeta, "feet": {n: f.k for n, f in t.feet.items()}}
                 for t in found
             ],
@@ -111,34 +102,31 @@ def named(sand: Any) -> Sand:
         raise SettingError("study.sands", sand, f"a zeta, or one of {', '.join(MEDIA)}") from None
 
 
-def _designed(study: Study, side: Side, objective: str, solver: Solver, executor: Executor | None) -> Foot:
-    """The best foot that a search on one side finds, its finalists walked more finely."""
-    problem = FootProblem(side.simulator, objective, study.space, side.accuracy, study.config.engine.threads)
-    asked, name = replace(solver, walks=side.walks), f"{problem.scene.title}, {side.name}"
-    with study.progress(asked.generations(study.space), asked.unit) as step:
-        result, confirmed = searched(study, problem, asked, name, side.finer, executor, step)
-    best = result.k[confirmed.designs[0]].tolist()
-    return replace(Foot.from_waypoints(best, study.space), name=side.name)
-
-
 def _compared(
-    sand: Sand, sides: tuple[Side, Side], feet: dict[str, Foot], objective: str, k: Ints,
-    space: Waypoints, threads: int | None,
-) -> Comparison:  # fmt: skip
-    """All feet on both sides, and the order of random soles `k` by both."""
+    study: Study, sand: Sand, sides: tuple[Side, Side], objective: str, solver: Solver
+) -> Comparison:
+    """The best foot of a search on each side, all feet on both, and the order of random soles by both."""
     from scipy.stats import kendalltau
 
-    values, losses, ranked = {}, {}, []
+    space, threads = study.space, study.config.engine.threads
+    feet, values, losses, ranked = {FLAT: Foot.flat(space)}, {}, {}, []
     for side in sides:
-        names = list(dict.fromkeys((*FIVE, "joint_work", objective)))
+        problem = FootProblem(side.simulator, objective, space, side.accuracy, threads)
+        asked, name = replace(solver, walks=side.walks), f"{problem.scene.title}, {side.name}"
+        with study.executor() as executor, study.progress(asked.generations(space), asked.unit) as step:
+            result, confirmed = searched(study, problem, asked, name, side.finer, executor, step)
+        best = result.k[confirmed.designs[0]].tolist()
+        feet[side.name] = replace(Foot.from_waypoints(best, space), name=side.name)
+    names = list(dict.fromkeys((*FIVE, "joint_work", objective)))
+    k = space.random(study.options.soles, seed=solver.seed, inside=True)
+    for side in sides:
         walked = evaluate(list(feet.values()), side.simulator, side.finer, names, space, threads).values
         values[side.name] = {
             foot: dict(zip(names, row, strict=True)) for foot, row in zip(feet, walked.tolist(), strict=True)
         }
-        own = walked[:, names.index(objective)]
-        sign = MEASURES[objective].sign
-        best = np.asarray(sign * np.nanmin(sign * own[1:]))
-        losses[side.name] = dict(zip(feet, regret(own, best, objective).tolist(), strict=True))
+        own, sign = walked[:, names.index(objective)], MEASURES[objective].sign
+        best_known = np.asarray(sign * np.nanmin(sign * own[1:]))
+        losses[side.name] = dict(zip(feet, regret(own, best_known, objective).tolist(), strict=True))
         ranked.append(evaluate(k, side.simulator, side.accuracy, objective, space, threads).values[:, 0])
     good = np.isfinite(ranked).all(axis=0)
     tau = float(kendalltau(ranked[0][good], ranked[1][good]).statistic)

@@ -15,15 +15,7 @@ from study_pages import check_page
 import footopt as fo
 from footopt.effects import EFFECTS
 from footopt.studies.runs import run_study
-from footopt.studies.validate import MET, cells, counts
-from footopt.studies.validation import rig
-from footopt.studies.validation.compare import (
-    AGREES,
-    DIFFERS,
-    OPEN,
-    Comparison,
-    experiments,
-)
+from footopt.studies.validate import AGREES, DIFFERS, MET, OPEN, Comparison, cells, counts, experiments, rig
 
 ALL = experiments()
 DOCS = Path(__file__).parents[2] / "docs" / "evidence" / "validation.md"

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from footopt.report import style
 from footopt.report.style import Axes
 
-#: Comparisons as `footopt.studies.validation.compare.Comparison` has them.
+#: Comparisons as `footopt.studies.validate.Comparison` has them.
 Comparisons = Sequence[Any]
 
 NAMES = {"alpha_x": r"$\alpha_x$", "alpha_z": r"$\alpha_z$", "zeta": r"$\zeta$"}

@@ -1,6 +1,7 @@
 """The choices that the paper leaves open, and the walks of its feet for one set of them."""
 
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from math import nan
 from typing import Any
@@ -72,15 +73,19 @@ def changes(config: Config) -> Iterator[tuple[str, Config]]:
                 yield f"{choice}={word}", changed(config, choice, level)
 
 
-def objective(study: Paper) -> str:
-    """Name of J_W with p_max and dV_x as they are read; any but the library's own needs every trace."""
-    if (study.peak_power, study.speed_loss) == ("stance", "walk"):
-        return "efficiency"
-    name, own = f"efficiency_{study.peak_power}_{study.speed_loss}", OBJECTIVES["efficiency"]
-    SLOW[name] = replace(
-        own, name=name, value=lambda walk: read(walk, study).objectives["efficiency"], of="walk"
-    )
-    return name
+@contextmanager
+def objective(study: Paper) -> Iterator[str]:
+    """Name of J_W with p_max and dV_x as they are read, within the block; another one needs every trace."""
+    own, name = OBJECTIVES["efficiency"], "efficiency"
+    if (study.peak_power, study.speed_loss) != ("stance", "walk"):
+        name = f"efficiency_{study.peak_power}_{study.speed_loss}"
+        SLOW[name] = replace(
+            own, name=name, of="walk", value=lambda walk: read(walk, study).objectives["efficiency"]
+        )
+    try:
+        yield name
+    finally:
+        SLOW.pop(name, None)
 
 
 def read(walk: Walk, study: Paper) -> Walk:
@@ -151,12 +156,12 @@ def evidence(config: Config, found: dict[str, list[int]]) -> dict[str, Walk]:
     scenes = {sand: replace(scene, sand=Sand.named(sand)) for sand in SANDS}
 
     def best(sand: str) -> Foot:
-        name = objective(study)  # one that is read from samples is as exact as claims are measured on
-        finely = accuracy if name == "efficiency" else confirm
-        problem = FootProblem(scenes[sand], name, space, finely, config.engine.threads)
-        key = digest([context(problem), plain(space), plain(solver)])
-        if key not in found:
-            found[key] = [int(height) for height in search(problem, solver).foot.k or ()]
+        with objective(study) as name:  # one that is read from samples is as exact as claims are measured on
+            finely = accuracy if name == "efficiency" else confirm
+            problem = FootProblem(scenes[sand], name, space, finely, config.engine.threads)
+            key = digest([context(problem), plain(space), plain(solver)])
+            if key not in found:
+                found[key] = [int(height) for height in search(problem, solver).foot.k or ()]
         return replace(Foot.from_waypoints(found[key], space), name=sand)
 
     def walk(foot: Foot, sand: str) -> Walk:
