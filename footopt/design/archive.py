@@ -14,7 +14,7 @@ import numpy as np
 
 from footopt.arrays import Array, Bools, Ints, Words
 from footopt.design.executor import Workers, walk
-from footopt.design.fronts import Volume, nondominated
+from footopt.design.fronts import Volume, extended
 from footopt.design.problem import FootProblem, Known
 from footopt.design.result import Generation, SearchResult
 from footopt.design.solvers import Solver
@@ -56,18 +56,27 @@ class Evaluator:
     def __call__(self, k: Ints) -> tuple[Array, Words]:
         """Recorded values (designs, record) and why each walk failed, or "", of designs (designs, n)."""
         known = [None] * len(k) if self.store is None else self.store.get(k.tolist())
-        found = {i: e for i, e in enumerate(known) if e is not None and not e.reason.startswith(ERROR)}
-        self.reused += len(found)
-        if new := [i for i in range(len(k)) if i not in found]:
-            values, reasons = self._walk(k[new])
-            values[np.isnan(values)] = np.nan  # one NaN: a store keeps no other
-            walked = [Evaluation(v, str(reason)) for v, reason in zip(values, reasons, strict=True)]
-            self._report(k[new], [e.reason for e in walked])
-            if self.store is not None:
-                self.store.add(k[new].tolist(), walked)
-            found |= zip(new, walked, strict=True)
-        every = [found[i] for i in range(len(k))]
-        return np.array([e.values for e in every]), np.array([e.reason for e in every])
+        new = [i for i, e in enumerate(known) if e is None or e.reason.startswith(ERROR)]
+        self.reused += len(k) - len(new)
+        if new and len(new) == len(k):
+            return self._walked(k)
+        values = np.array(
+            [np.full(len(self.problem.record), np.nan) if e is None else e.values for e in known]
+        )
+        reasons = np.array(["" if e is None else e.reason for e in known], object)
+        if new:
+            values[new], reasons[new] = self._walked(k[new])
+        return values, reasons.astype(np.str_)
+
+    def _walked(self, k: Ints) -> tuple[Array, Words]:
+        """Values and reasons of designs that have not been walked, and are kept then."""
+        values, found = self._walk(k)
+        values[np.isnan(values)] = np.nan  # one NaN: a store keeps no other
+        reasons = [str(reason) for reason in found]
+        self._report(k, reasons)
+        if self.store is not None:
+            self.store.add(k.tolist(), list(map(Evaluation, values, reasons)))
+        return values, np.array(reasons)
 
     def _report(self, k: Ints, reasons: Sequence[str]) -> None:
         """Warn of walks that have raised an exception; raise if all have, from the first one on."""
@@ -217,7 +226,7 @@ class Archive:
         new = count + np.flatnonzero(self._good[count:])
         if not len(new):
             return front
-        f = np.concatenate([self._best, self.problem.minimised(self.designs.values[new])])
-        on_front = nondominated(f)
-        self._best = f[on_front]
+        f = self.problem.minimised(self.designs.values[new])
+        on_front = extended(self._best, f)
+        self._best = np.concatenate([self._best, f])[on_front]
         return np.concatenate([front, new])[on_front]

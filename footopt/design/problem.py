@@ -216,18 +216,16 @@ class Known:
 
     def fresh(self, k: Ints) -> Ints:
         """The rows of those of some designs (designs, n) that are not known, each once, in their order."""
-        seen: set[bytes] = set()
-        found = []
+        first: dict[bytes, int] = {}
         for i, key in enumerate(_keys(k)):
-            if key not in self._place and key not in seen:
-                seen.add(key)
-                found.append(i)
-        return np.array(found, np.int64)
+            if key not in self._place:
+                first.setdefault(key, i)
+        return np.array(list(first.values()), np.int64)
 
     def add(self, k: Ints) -> None:
         """Add designs (designs, n) that are `fresh`."""
-        for key in _keys(k):
-            self._place[key] = len(self._place)
+        keys = _keys(k)
+        self._place.update(zip(keys, range(len(self), len(self) + len(keys)), strict=True))
 
     def __len__(self) -> int:
         return len(self._place)
@@ -235,4 +233,6 @@ class Known:
 
 def _keys(k: Ints) -> list[bytes]:
     """Heights as bytes, a row each."""
-    return [row.tobytes() for row in np.atleast_2d(k).astype(np.int32)]
+    rows = np.ascontiguousarray(np.atleast_2d(k), np.int32)
+    found: list[bytes] = rows.view(f"V{4 * rows.shape[1]}").ravel().tolist()
+    return found

@@ -176,11 +176,18 @@ def slope_matrix(n: int) -> Array:
 
 
 def _slopes(z: Array) -> Array:
-    matrix = slope_matrix(z.shape[1])
-    total = np.zeros_like(z)
-    for j in range(z.shape[1]):  # a matrix product may round differently from batch to batch
-        total += z[:, j : j + 1] * matrix[:, j]
-    return total
+    return np.asarray(slopes_of(z, slope_matrix(z.shape[1])))
+
+
+@cached_njit(nogil=True, error_model="numpy")
+def slopes_of(z, matrix):
+    """z @ matrix.T, whose sums BLAS may round differently from batch to batch, (designs, n)."""
+    out = np.zeros_like(z)
+    for d in range(len(z)):
+        for i in range(z.shape[1]):
+            for j in range(z.shape[1]):
+                out[d, i] += z[d, j] * matrix[i, j]
+    return out
 
 
 @inlined

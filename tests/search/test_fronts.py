@@ -8,7 +8,7 @@ from searching import SMALL, problem
 import footopt as fo
 from footopt.design.archive import Archive
 from footopt.design.fronts import EXACT, Volume
-from footopt.design.solvers import memetic
+from footopt.design.solvers import memetic, model
 
 
 def sphere(count, objectives, seed=1):
@@ -56,16 +56,17 @@ def test_an_archive_keeps_what_it_is_given_in_its_order():
 def test_the_default_solver_remembers_only_so_many(monkeypatch):
     """The newest and the best designs for its model, and parents that are far apart; none is asked twice."""
     monkeypatch.setattr(memetic, "REMEMBERED", 40)
+    monkeypatch.setattr(model, "TRAINED", 20)
     found, advance = [], memetic.Archive._advance
 
     def noted(self, infills=None, **kwargs):
         advance(self, infills, **kwargs)
-        found.append((self.told, len(self.front.X)))
+        found.append((len(self.memory.X), len(self.front.X)))
 
     monkeypatch.setattr(memetic.Archive, "_advance", noted)
     result = fo.search(problem("pareto"), "archive", pop_size=30, n_gen=12, seed=1)
     assert len(result.front) > 60
-    assert max(told for told, _ in found) <= 40 + memetic.TRAINED // 2
+    assert max(kept for kept, _ in found) <= 10 + 5 * 20
     assert min(front for _, front in found[-4:]) >= 20
     assert max(front for _, front in found) <= 40
     assert result.designs == 360 == len(np.unique(result.k, axis=0))

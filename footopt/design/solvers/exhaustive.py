@@ -4,13 +4,11 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pymoo.core.algorithm import Algorithm
 from pymoo.core.population import Population
 
+from footopt.arrays import Ints
 from footopt.design.solvers.moves import allowed
-
-Ints = NDArray[np.int64]
 
 
 def batches(n: int, K: int, size: int) -> Iterator[Ints]:

@@ -4,22 +4,19 @@ from copy import deepcopy
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pymoo.core.algorithm import Algorithm
 from pymoo.core.initialization import Initialization
 from pymoo.core.population import Population
 from pymoo.util.display.multi import MultiObjectiveOutput
 from pymoo.util.display.single import SingleObjectiveOutput
 
-from footopt.design.fronts import nondominated, ranks
+from footopt.arrays import Array, Ints
+from footopt.design.fronts import nondominated
 from footopt.design.problem import Known
-from footopt.design.solvers.model import RankModel
+from footopt.design.solvers.model import Memory, RankModel
 from footopt.design.solvers.moves import IDLE, RandomInside, allowed, exchanged, shifted, shifts
 from footopt.design.solvers.pool import Pool
 from footopt.design.solvers.registry import WALKS, grown
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 PARENTS = 30  # at first; of one objective twice as many after each restart
 MOST_PARENTS = 240
@@ -28,8 +25,8 @@ NORMAL = 0.5  # share of the children that are drawn from the parents' normal di
 CROSSED = 0.4  # share of the others that have two parents
 TWICE = 0.2  # share of the rest that are shifted twice
 CHILDREN = 1000  # a generation, of which a model chooses
-LEARNT, TRAINED = 40, 300  # designs before there is a model, and that it knows at most
-REMEMBERED = 10_000  # of the newest designs, and parents of several objectives, once there are twice as many
+LEARNT = 40  # designs before there is a model
+REMEMBERED = 10_000  # parents of several objectives, at most
 WORSE = 1e100  # than any value, for a model of ranks: an infeasible design, the more it violates
 FEW = 100  # parents of several objectives
 ENDS = 0.2  # share of a generation that goes for the best by one of several objectives alone
@@ -50,13 +47,14 @@ class Moves(Algorithm):
         self.pop_size = pop_size
         self.initialization = Initialization(RandomInside() if sampling is None else sampling)
         self.proposed = Known()
-        self.learnt: list[tuple[Array, Array]] = []  # heights and objectives of each generation
-        self.model: RankModel | None = None  # of what is learnt
+        self.memory: Memory  # what a model is made of
+        self.model: RankModel | None = None
         self.pool: Pool  # the population
         self.front: Pool  # and what no other dominates, of several objectives
 
     def _setup(self, problem: Any, **kwargs: Any) -> None:
         self.proposed = Known()
+        self.memory = Memory(np.empty((0, problem.n_var), np.int64), np.empty((0, problem.n_obj)))
         if self.display.output is None:
             self.display.output = MultiObjectiveOutput() if problem.n_obj > 1 else SingleObjectiveOutput()
 
@@ -86,24 +84,22 @@ class Moves(Algorithm):
         idle = 0
         while (wanted := size - len(found)) and idle < IDLE:
             children = self._screened(self._fresh(self._children(max(CHILDREN, wanted))), wanted)
-            found = np.concatenate([found, self._new(children, wanted)])
+            found = np.concatenate([found, self._new(children[:wanted])])
             idle = 0 if len(children) else idle + 1
         return found if len(found) else self._drawn(size)
 
     def _drawn(self, count: int) -> Ints:
         """New designs drawn at random."""
-        return self._new(
-            RandomInside().do(self.problem, 4 * count, random_state=self.random_state).get("X"), count
-        )
+        drawn = RandomInside().do(self.problem, 4 * count, random_state=self.random_state)
+        return self._new(self._fresh(drawn.get("X"))[:count])
 
     def _fresh(self, X: Ints) -> Ints:
         """The designs (designs, n) that are allowed and were not proposed before, each once."""
-        X = X[allowed(self.problem, X)]
-        return X[self.proposed.fresh(X)].astype(np.int64)
+        X = X[self.proposed.fresh(X)].astype(np.int64)
+        return X[allowed(self.problem, X)]
 
-    def _new(self, X: Ints, count: int) -> Ints:
-        """Propose the first `count` fresh ones of some designs (designs, n)."""
-        fresh = self._fresh(X)[:count]
+    def _new(self, fresh: Ints) -> Ints:
+        """Propose designs (designs, n) that are fresh."""
         self.proposed.add(fresh)
         return fresh
 
@@ -122,11 +118,13 @@ class Moves(Algorithm):
 
     def _screened(self, X: Ints, count: int) -> Ints:
         """Of as many groups of children, the one in each that a model of the walks so far likes best."""
-        if self.told < LEARNT or len(X) <= count:
+        if self.memory.told < LEARNT or len(X) <= count:
             return X
-        promise = self._promise(X)
-        groups = np.array_split(self.random_state.permutation(len(X)), count)
-        return X[[group[promise[group].argmax()] for group in groups]]
+        promise, order = self._promise(X), self.random_state.permutation(len(X))
+        size, larger = divmod(len(X), count)  # so many groups are larger by one
+        first = larger * (size + 1)
+        groups = order[:first].reshape(larger, size + 1), order[first:].reshape(count - larger, size)
+        return X[[i for rows in groups for i in rows[np.arange(len(rows)), promise[rows].argmax(axis=1)]]]
 
     def _promise(self, X: Ints) -> Array:
         """How far designs (designs, n) should lie ahead of the best so far, in ranks, (designs,)."""
@@ -139,26 +137,8 @@ class Moves(Algorithm):
     def _expected(self, X: Ints) -> tuple[Array, Array]:
         """Ranks of designs (designs, n) by each objective, as a model expects them; those of known ones."""
         if self.model is None:
-            known, F = self._kept(TRAINED // 2 if self.told > TRAINED else self.told)
-            self.model = RankModel(known, F, float(np.max(self.problem.xu)))
+            self.model = RankModel(*self.memory.trained(), int(np.max(self.problem.xu)))
         return self.model(X), self.model.ranks
-
-    @property
-    def told(self) -> int:
-        """Designs that are remembered."""
-        return sum(len(F) for _, F in self.learnt)
-
-    def _every(self) -> tuple[Array, Array]:
-        """Heights and objectives of all remembered designs."""
-        X, F = map(np.concatenate, zip(*self.learnt, strict=True))
-        return X, F
-
-    def _kept(self, newest: int) -> tuple[Array, Array]:
-        """Heights and objectives of the best of the remembered designs, and of so many of the newest."""
-        X, F = self._every()
-        best = ranks(F).min(axis=1)[: len(F) - newest].argsort(kind="stable")[: TRAINED // 2]
-        chosen = np.concatenate([np.sort(best), np.arange(len(F) - newest, len(F))])
-        return X[chosen], F[chosen]
 
     def _parents(self, count: int) -> Ints:
         """Designs (count, n) that children are made of."""
@@ -172,10 +152,8 @@ class Moves(Algorithm):
         """Note what has been walked, and go on."""
         told = self.pool.take(slice(0)) if infills is None else Pool.of(infills)  # nothing new is found
         bad = told.violation[:, None]
-        self.learnt.append((told.X.astype(float), np.where(bad > 0.0, WORSE * (1.0 + bad), told.F)))
+        self.memory = self.memory.joined(told.X, np.where(bad > 0.0, WORSE * (1.0 + bad), told.F))
         self.model = None
-        if self.told > 2 * REMEMBERED:
-            self.learnt = [self._kept(REMEMBERED)]
         return super().advance(infills=infills, told=told, **kwargs)
 
     def _go_on_with(self, pool: Pool) -> None:
@@ -193,7 +171,7 @@ class Memetic(Moves):
     def __init__(self, pop_size: int | None = None, **kwargs: Any) -> None:
         super().__init__(pop_size, **kwargs)
         self.parents, self.age = PARENTS, 0
-        self.champion: Any = None
+        self.champion: Pool
 
     def _advance(self, infills: Any = None, told: Any = None, **kwargs: Any) -> None:
         pool = self.pool.joined(told)
@@ -201,9 +179,14 @@ class Memetic(Moves):
         self.age = 0 if best[0] >= len(self.pool.X) else self.age + 1
         self._go_on_with(pool.take(best))
 
+    def _initialize_advance(self, infills: Any = None, told: Any = None, **kwargs: Any) -> None:
+        self.champion = told.take(slice(0))
+        super()._initialize_advance(infills, told, **kwargs)
+
     def _set_optimum(self) -> None:
-        pool = self.pop[:1] if self.champion is None else Population.merge(self.champion, self.pop[:1])
-        self.opt = self.champion = pool[Pool.of(pool).order()[:1]]
+        pool = self.champion.joined(self.pool.take(slice(1)))
+        self.champion = pool.take(pool.order()[:1])
+        self.opt = self.champion.pop
 
     def _parents(self, count: int) -> Ints:
         """The better, the more often: the square of a uniform number picks the place."""
@@ -218,7 +201,7 @@ class Memetic(Moves):
     def _near(self, count: int) -> Ints:
         """New designs from the best one's neighbourhood."""
         near = self.pool.X[0] + shifts(self.problem.n_var)
-        return self._new(self.random_state.permutation(near), count)
+        return self._new(self._fresh(self.random_state.permutation(near))[:count])
 
     def _restart(self, size: int) -> Ints:
         """Random designs to begin anew with, and twice as many parents."""
@@ -244,8 +227,7 @@ class Archive(Moves):
     def _advance(self, infills: Any = None, told: Any = None, **kwargs: Any) -> None:
         if self.sought:
             self.alone[self.turn]._advance(told=told.take(slice(self.sought)).by(self.turn))
-        front = self.front.joined(told)
-        self.front = front.take(front.front())
+        self.front = self.front.front_with(told)
         if len(self.front.X) > REMEMBERED:
             self.front = self._least_crowded(REMEMBERED // 2)
         self._go_on_with(self._least_crowded(FEW) if len(self.front.X) > FEW else self._survivors(told))
@@ -273,7 +255,7 @@ class Archive(Moves):
     def _propose(self, size: int) -> Ints:
         """A part for the ends of the front; of a small one in a quarter the neighbours of most promise."""
         self.sought = 0
-        if self.told < LEARNT:
+        if self.memory.told < LEARNT:
             return super()._propose(size)
         ends = (self._ends if self.problem.n_obj > 2 else self._sought)(int(ENDS * size))
         X = self.front.X
@@ -282,36 +264,36 @@ class Archive(Moves):
         near = (X[:, None] + shifts(X.shape[1])).reshape(-1, X.shape[1])
         X = self._fresh(self.random_state.permutation(near)[: 3 * CHILDREN])
         best = np.argsort(-self._promise(X), kind="stable") if len(X) else np.empty(0, np.int64)
-        return np.concatenate([ends, self._new(X[best], max(size // 4, 1))])
+        return np.concatenate([ends, self._new(X[best[: max(size // 4, 1)]])])
 
     def _ends(self, count: int) -> Ints:
         """Of children of the best by one objective, each in its turn, those that should be best by it."""
-        by, draw = len(self.learnt) % self.problem.n_obj, self.random_state
-        X, F = self._every()
-        best = X[np.argsort(F[:, by], kind="stable")[:PARENTS]].astype(np.int64)
+        by, draw = (self.n_iter - 1) % self.problem.n_obj, self.random_state
+        best = self.memory.X[self.memory.best(by, PARENTS)]
         one, other = (best[draw.integers(len(best), size=CHILDREN)] for _ in range(2))
         crossed = draw.random(CHILDREN) < CROSSED
         children = self._fresh(shifted(np.where(crossed[:, None], exchanged(one, other, draw), one), draw))
         if not len(children):
             return children
-        return self._new(children[np.argsort(self._expected(children)[0][:, by], kind="stable")], count)
+        order = np.argsort(self._expected(children)[0][:, by], kind="stable")
+        return self._new(children[order[:count]])
 
     def _sought(self, count: int) -> Ints:
         """Proposals of a search for the best by one of two objectives alone, each in turn."""
         self.alone = self.alone or [self._begun(by) for by in range(self.problem.n_obj)]
         self.turn = by = (self.turn + 1) % len(self.alone)
-        self.alone[by].learnt, self.alone[by].model = [(X, F[:, [by]]) for X, F in self.learnt], None
+        self.alone[by].memory = self.memory._replace(F=self.memory.F[:, [by]])
+        self.alone[by].model = None
         found = self.alone[by]._found(max(count, 1))
         self.sought = len(found)
         return found
 
     def _begun(self, by: int) -> Memetic:
         """A search for the best by one objective, from the best by it so far."""
-        alone, (X, F) = Memetic(), self._every()
+        alone, best = Memetic(), self.memory.best(by, PARENTS)
         alone.problem, alone.random_state, alone.proposed = self.problem, self.random_state, self.proposed
-        best = F[:, by].argsort(kind="stable")[:PARENTS]
-        begin = Pool(Population.new(X=X[best]), X[best].astype(np.int64), F[best], np.zeros(len(best)))
-        alone._go_on_with(begin.by(by))
+        X, F = self.memory.X[best], self.memory.F[best][:, [by]]
+        alone._go_on_with(Pool(Population.new(X=X), X, F, np.zeros(len(X))))
         return alone
 
     def _screened(self, X: Ints, count: int) -> Ints:

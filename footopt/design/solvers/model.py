@@ -1,15 +1,51 @@
 """`RankModel`: ranks of designs as Gaussians of the distance between soles expect them from known ones."""
 
-from typing import Any
+from __future__ import annotations
+
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from scipy.linalg.lapack import dposv
 
+from footopt.arrays import Array, Ints
 from footopt.design.fronts import ranks
 
-Array = NDArray[np.float64]
-
+TRAINED = 300  # designs that a model knows at most: half of them the newest, the others the best
 WIDTH, SMOOTHING = 0.7, 1e-3  # one over the Gaussians' length, in the range of heights; added to their matrix
+
+
+class Memory(NamedTuple):
+    """Designs that a model may still be made of: the newest, and the best by each objective.
+
+    Parameters
+    ----------
+    X, F : (designs, n), (designs, objectives)
+        Heights and objectives, minimised, in the order in which they were evaluated.
+    told : int
+        Designs evaluated so far, with those that are forgotten.
+    """
+
+    X: Ints
+    F: Array
+    told: int = 0
+
+    def joined(self, X: Ints, F: Array) -> Memory:
+        """With new designs, without the old ones that are not among the best `TRAINED` by any objective."""
+        told, X, F = self.told + len(X), np.concatenate([self.X, X]), np.concatenate([self.F, F])
+        kept = np.arange(len(F)) >= len(F) - TRAINED // 2
+        kept |= (ranks(F) < TRAINED).any(axis=1)
+        return Memory(X[kept], F[kept], told)
+
+    def best(self, by: int, count: int) -> Ints:
+        """Places of the best by an objective."""
+        return self.F[:, by].argsort(kind="stable")[:count]
+
+    def trained(self) -> tuple[Ints, Array]:
+        """Heights and objectives of the newest designs and the best others."""
+        older = len(self.X) - TRAINED // 2 if self.told > TRAINED else 0
+        best = ranks(self.F).min(axis=1)[:older].argsort(kind="stable")[: TRAINED // 2]
+        chosen = np.concatenate([np.sort(best), np.arange(older, len(self.X))])
+        return self.X[chosen], self.F[chosen]
 
 
 class RankModel:
@@ -24,31 +60,33 @@ class RankModel:
         Heights of designs.
     F : (designs, objectives)
         Their objectives, minimised.
-    top : float
+    top : int
         The largest height.
     """
 
-    def __init__(self, known: Array, F: Array, top: float) -> None:
+    def __init__(self, known: Ints, F: Array, top: int) -> None:
         self.ranks = ranks(F) / len(F)
-        self._top = top
-        self._known = self._steps(known)
-        kernel = self._kernel(self._known)
+        self._scale, steps = -((WIDTH / top) ** 2), _steps(known)
+        one = np.ones(len(F))
+        self._known = np.column_stack([-2.0 * steps, one, np.square(steps).sum(axis=1)]).T
+        kernel = self._kernel(steps)
         kernel[np.diag_indices(len(F))] += SMOOTHING
-        solved = np.linalg.solve(kernel, np.column_stack([self.ranks, np.ones(len(F))]))
+        _, solved, _ = dposv(kernel.T, np.column_stack([self.ranks, one]), overwrite_a=True)
         self._constant = solved[:, :-1].sum(axis=0) / solved[:, -1].sum()
         self._weights = solved[:, :-1] - solved[:, -1:] * self._constant
 
-    def __call__(self, X: Any) -> Array:
+    def __call__(self, X: Ints) -> Array:
         """Ranks of designs (designs, n) by each objective, (designs, objectives); the best is near 0."""
-        expected = self._kernel(self._steps(X)) @ self._weights + self._constant
+        expected = self._kernel(_steps(X)) @ self._weights + self._constant
         return np.asarray(np.round(expected, 6))  # sums in another order must not lead elsewhere
 
-    def _steps(self, X: Any) -> Array:
-        """Heights and differences of neighbours, (designs, 2 n - 1), in the range of heights."""
-        return np.concatenate([X, np.diff(X, axis=1)], axis=1).astype(float) / self._top
+    def _kernel(self, steps: Array) -> Array:
+        """exp(-(WIDTH r / top)^2) for the distances r from those that are known; of whole numbers exactly."""
+        square = np.column_stack([steps, np.square(steps).sum(axis=1), np.ones(len(steps))]) @ self._known
+        square *= self._scale
+        return np.asarray(np.exp(square, out=square))
 
-    def _kernel(self, points: Array) -> Array:
-        """exp(-(WIDTH r)^2) for the distances r of points from those that are known."""
-        square = np.square(points).sum(axis=1)[:, None] + np.square(self._known).sum(axis=1)
-        square -= 2.0 * (points @ self._known.T)
-        return np.asarray(np.exp(-(WIDTH**2) * np.maximum(square, 0.0)))
+
+def _steps(X: Any) -> Array:
+    """Heights and differences of neighbours, (designs, 2 n - 1)."""
+    return np.concatenate([X, np.diff(X, axis=1)], axis=1).astype(float)

@@ -10,7 +10,6 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pymoo.algorithms.moo.age2 import AGEMOEA2Survival
 from pymoo.core.duplicate import DuplicateElimination
 from pymoo.operators.crossover.sbx import SBX
@@ -18,9 +17,8 @@ from pymoo.operators.mutation.pm import PM
 from pymoo.operators.repair.rounding import RoundingRepair
 from pymoo.operators.sampling.rnd import IntegerRandomSampling
 
+from footopt.arrays import Array, Bools, Ints
 from footopt.errors import check
-
-Array = NDArray[np.float64]
 
 DIRECTIONS = 1000  # of reference, at most
 
@@ -31,7 +29,7 @@ class SameHeights(DuplicateElimination):
     Does what pymoo's own does by comparing all distances, in a tenth of the time.
     """
 
-    def _do(self, pop: Any, other: Any, is_duplicate: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    def _do(self, pop: Any, other: Any, is_duplicate: Bools) -> Bools:
         seen: set[bytes] = set() if other is None else set(self._rows(other))
         for i, key in enumerate(self._rows(pop)):
             is_duplicate[i] = key in seen
@@ -108,7 +106,7 @@ def reference_directions(n_obj: int, count: int) -> Array:
     return directions
 
 
-def less_violation(pop: Any, pairs: NDArray[np.int64], random_state: Any = None, **kwargs: Any) -> Any:
+def less_violation(pop: Any, pairs: Ints, random_state: Any = None, **kwargs: Any) -> Any:
     """Winner of each pair: the smaller constraint violation, a tie by the run's own random state.
 
     pymoo's own comparison for NSGA-III draws ties from a generator of its own, so that equal seeds

@@ -5,13 +5,10 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from pymoo.core.population import Population
 
-from footopt.design.fronts import nondominated
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from footopt.arrays import Array, Ints
+from footopt.design.fronts import extended
 
 
 class Pool(NamedTuple):
@@ -25,7 +22,9 @@ class Pool(NamedTuple):
     @classmethod
     def of(cls, pop: Any) -> Pool:
         """A population."""
-        X, F, violation = pop.get("X", "F", "CV")
+        X, F, violation = (
+            np.array([getattr(one, name) for one in pop.tolist()]) for name in ("X", "F", "CV")
+        )
         return cls(pop, X.astype(np.int64), F.astype(float), violation[:, 0])
 
     def take(self, rows: Any) -> Pool:
@@ -45,7 +44,9 @@ class Pool(NamedTuple):
         """Places for one objective, best first: the feasible, then the least violation."""
         return np.lexsort((self.F[:, 0], np.maximum(self.violation, 0.0)))
 
-    def front(self) -> Ints:
-        """Places of the non-dominated; without a feasible design those of least violation."""
-        rows = np.flatnonzero(self.violation <= max(self.violation.min(), 0.0))
-        return rows[nondominated(self.F[rows])]
+    def front_with(self, new: Pool) -> Pool:
+        """A front and what others add to it; without a feasible design it is of those of least violation."""
+        every = self.joined(new)
+        rows = np.flatnonzero(every.violation <= max(every.violation.min(), 0.0))
+        old, F = np.count_nonzero(rows < len(self.X)), every.F[rows]
+        return every.take(rows[extended(F[:old], F[old:])])
