@@ -59,7 +59,7 @@ def nondominated(F: Array) -> Bools:
     return np.asarray(is_nondominated(np.ascontiguousarray(F, float), keep_weakly=True))
 
 
-def extended(front: Array, new: Array) -> NDArray[np.bool_]:
+def extended(front: Array, new: Array) -> Bools:
     """Which designs of a front, none of which dominates another, and of new ones no other dominates.
 
     Of many objectives in a fraction of the time that `nondominated` takes for all of them.

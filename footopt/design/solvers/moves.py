@@ -1,5 +1,3 @@
-from footopt.arrays import Bools, Ints
-
 """Moves that suit a spline: runs of neighbouring waypoints that are shifted and exchanged.
 
 A spline through waypoints answers to neighbours that move together: where one waypoint alone would
@@ -17,6 +15,8 @@ from pymoo.core.crossover import Crossover
 from pymoo.core.mutation import Mutation
 from pymoo.core.repair import Repair
 from pymoo.core.sampling import Sampling
+
+from footopt.arrays import Bools, Ints
 
 DRAWS = 200  # batches of random designs at most, of which as many as are wanted should be inside their box
 KNOWN = "known"  # in an algorithm's data: the designs that have been proposed, `Known`
