@@ -23,6 +23,7 @@ from footopt.walk.simulator import Simulator
 #: Objectives by the name of a set; any sequence of names from `MEASURES` will do as well.
 SETS: dict[str, tuple[str, ...]] = {"efficiency": ("efficiency",), "pareto": FIVE}
 
+KNOWN = "known"  # in an algorithm's data: the designs so far, `Known`
 #: Recorded of every design, whatever is optimised: the paper's five and J_W.
 RECORD = (*FIVE, "efficiency")
 

@@ -1,31 +1,33 @@
-"""`search`: an ask/tell loop around any solver that keeps every design it has evaluated."""
+"""`search`: an ask/tell loop around a solver's pymoo algorithm that keeps every design it has evaluated."""
 
 from __future__ import annotations
 
+import copy
 import math
 import sys
 import time
 from collections.abc import Callable
 from concurrent.futures import Executor
 from contextlib import nullcontext
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from types import NoneType
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 from threadpoolctl import threadpool_limits
 
-from footopt.arrays import Ints
+from footopt.arrays import Array, Ints
 from footopt.design.archive import Archive, Evaluator
-from footopt.design.problem import FootProblem
+from footopt.design.problem import KNOWN, FootProblem, Known, whole
 from footopt.design.result import Generation, SearchResult
 from footopt.design.solvers import AUTO, EXHAUSTIVE, Solver
 from footopt.design.store import Store
-from footopt.errors import check, check_kind
+from footopt.errors import SettingError, check, check_kind
 
 BUDGET = ("walks", "pop_size", "n_gen", "seconds", "seed", "operators")  # of a solver that is named
 ENOUGH = "by the solver, which proposed nothing more"
+REPEATS = 10  # times as many generations as its walks need, where a solver asks for designs again
 
 
 def search(
@@ -88,21 +90,49 @@ def search(
     check(ends, "stop", stop, "a termination of pymoo", 'Try ("n_gen", 50)')
     for name, value in budget.items():
         check(name in BUDGET, name, value, f"one of {', '.join(BUDGET)}, as a keyword")
-    if not isinstance(solver, (Solver, str, NoneType)):
-        from footopt.design.asking import as_solver
-
-        solver = as_solver(solver, budget)
-    elif not isinstance(solver, Solver):
-        solver = Solver(name=solver or AUTO, **budget)
-    elif budget:
-        solver = replace(solver, **budget)
-    solver = solver.fitting(problem.n_obj)
+    solver = _as_solver(solver, budget).fitting(problem.n_obj)
     opened = Store(store, problem) if isinstance(store, (str, Path)) else nullcontext(store)
     with opened as kept:
         evaluator = Evaluator(problem, kept, executor)
         tell = _line(solver.generations(problem.space)) if progress is True else progress or None
         first = None if start is None else problem.space.check(start)
         return ask_and_tell(problem, solver, tell, evaluator, stop, first)
+
+
+@dataclass(frozen=True)
+class OfPymoo(Solver):
+    """An algorithm of pymoo as a solver, of the name of its class.
+
+    Parameters
+    ----------
+    algorithm : pymoo.core.algorithm.Algorithm
+        A copy of it searches.
+    """
+
+    algorithm: Any = None
+
+    def _check_name(self) -> None:
+        """Any name: it is not looked up."""
+
+    def build(self, n_obj: int) -> Any:
+        """A copy of the algorithm."""
+        return copy.deepcopy(self.algorithm)
+
+
+def _as_solver(solver: Any, budget: dict[str, Any]) -> Solver:
+    """A solver, its name, or an algorithm of pymoo, which ends as other solvers do, with a budget."""
+    if isinstance(solver, Solver):
+        return replace(solver, **budget)
+    if solver is None or isinstance(solver, str):
+        return Solver(name=solver or AUTO, **budget)
+    from pymoo.core.algorithm import Algorithm  # takes a tenth of a second
+
+    check_kind(solver, Algorithm, "solver", "Try solver='memetic', or an algorithm of pymoo")
+    size = getattr(solver, "pop_size", None)
+    given = {"pop_size": max(size, 4)} if isinstance(size, int) else {}
+    check(not {"operators", "pop_size"} & set(budget), "solver", type(solver).__name__,
+          "an algorithm that has its pop_size and operators already")  # fmt: skip
+    return OfPymoo(name=type(solver).__name__, algorithm=solver, **given, **budget)
 
 
 def _line(generations: int) -> Callable[[Generation], None]:
@@ -129,32 +159,71 @@ def ask_and_tell(
 
     An `evaluator` is called like an `Evaluator`, and has its `reused`.
     """
-    from footopt.design.asking import Algorithm
-
     archive = Archive(problem, evaluator)
-    algorithm = Algorithm(problem, solver, archive.known, start, termination)
+    algorithm = _begun(problem, solver, archive.known, start, termination)
     most = math.inf if termination is not None and not solver.walks else solver.most
-    started, interrupted, stopped = time.perf_counter(), False, ""
+    began, interrupted, stopped = time.perf_counter(), False, ""
     try:
         with threadpool_limits(1, "blas"):  # too little for threads, which would wait for each other
-            while archive.count < most:
-                if (k := algorithm.ask()) is None:
-                    ended = algorithm.terminated or len(archive.history) == solver.n_gen
-                    stopped = "" if ended or solver.name == EXHAUSTIVE else ENOUGH
+            while archive.count < most and not stopped:
+                proposed = algorithm.ask() if algorithm.has_next() else None
+                if proposed is None:
+                    end = algorithm.termination  # or it has found nothing new
+                    ended = end.has_terminated() and not end.force_termination
+                    ended = ended or len(archive.history) == solver.n_gen or solver.name == EXHAUSTIVE
+                    stopped = "" if ended else ENOUGH
                     break
+                k = whole(proposed.get("X"), problem)
                 first = archive.first(k, most)  # the last generation is cut where the walks end
                 found = archive.evaluate(k[:first])
                 if first == len(k):
-                    algorithm.tell(*found)
-                archive.close_generation(time.perf_counter() - started)
-                if progress is not None and progress(archive.history[-1]) is True:
+                    _tell(algorithm, proposed, *found)
+                archive.close_generation(time.perf_counter() - began)
+                latest = archive.history[-1]
+                if solver.seconds is not None and latest.seconds >= solver.seconds:
+                    stopped = f"after {solver.seconds:g} s"
+                if progress is not None and progress(latest) is True:
                     stopped = "by its progress"
-                if solver.seconds is not None and archive.history[-1].seconds >= solver.seconds:
-                    stopped = stopped or f"after {solver.seconds:g} s"
-                if stopped:
-                    break
     except KeyboardInterrupt:
         interrupted = True
-    seconds = time.perf_counter() - started
-    result = archive.result(solver, seconds, interrupted, evaluator.reused)
+    result = archive.result(solver, time.perf_counter() - began, interrupted, evaluator.reused)
     return replace(result, stopped=stopped)
+
+
+def _begun(problem: FootProblem, solver: Solver, known: Known, start: Ints | None, termination: Any) -> Any:
+    """A solver's pymoo algorithm, which may propose none of the designs again that are `known` by then."""
+    solver.check_space(problem.space)
+    algorithm = solver.build(problem.n_obj)
+    algorithm.data[KNOWN] = known
+    ends = copy.deepcopy(termination) or (
+        "n_gen",
+        solver.n_gen or REPEATS * solver.generations(problem.space),
+    )
+    try:
+        algorithm.setup(problem, termination=ends, seed=solver.seed, verbose=False)
+    except AssertionError as error:  # their way to say it: MOEA/D, DNSGA2, KGB
+        needs = "an algorithm that takes constraints: a walk may fail, and a sole leave its box"
+        hint = f"pymoo says: {error} Try solver=nsga3, or another."
+        raise SettingError("solver", solver.name, needs, hint) from error
+    if start is not None:
+        from pymoo.core.initialization import Initialization
+
+        initial: Any = getattr(algorithm, "initialization", None)
+        check(initial is not None, "start", solver.name, "left out: this solver draws its own designs")
+        most = next(solver.sizes())
+        check(len(start) <= most, "start", len(start), f"at most {most} designs")
+        drawing = Initialization(initial.sampling)
+        drawn = drawing.do(problem, most, random_state=algorithm.random_state).get("X").copy()
+        drawn[: len(start)] = start
+        initial.sampling = drawn
+    return algorithm
+
+
+def _tell(algorithm: Any, proposed: Any, f: Array, g: Array) -> None:
+    """Tell F and G of the generation that was proposed, (designs, ...)."""
+    violation = np.maximum(g, 0.0).sum(axis=1, keepdims=True)  # what each would be asked for later
+    for one, *columns in zip(np.atleast_1d(proposed), f, g, violation, strict=True):  # may be alone
+        one.F, one.G, one.CV = columns
+        one.evaluated.update("FG")
+    algorithm.evaluator.n_eval += len(f)
+    algorithm.tell(infills=proposed)

@@ -17,9 +17,9 @@ from pymoo.core.repair import Repair
 from pymoo.core.sampling import Sampling
 
 from footopt.arrays import Bools, Ints
+from footopt.design.problem import KNOWN
 
 DRAWS = 200  # batches of random designs at most, of which as many as are wanted should be inside their box
-KNOWN = "known"  # in an algorithm's data: the designs that have been proposed, `Known`
 IDLE = 8  # batches that may bring nothing new before a space counts as used up
 
 
