@@ -58,25 +58,17 @@ class Evaluator:
         known = [None] * len(k) if self.store is None else self.store.get(k.tolist())
         new = [i for i, e in enumerate(known) if e is None or e.reason.startswith(ERROR)]
         self.reused += len(k) - len(new)
-        if new and len(new) == len(k):
-            return self._walked(k)
-        values = np.array(
-            [np.full(len(self.problem.record), np.nan) if e is None else e.values for e in known]
-        )
-        reasons = np.array(["" if e is None else e.reason for e in known], object)
+        values, reasons = np.empty((len(k), len(self.problem.record))), np.full(len(k), "", object)
+        for i, e in enumerate(known):
+            if e is not None:
+                values[i], reasons[i] = e
         if new:
-            values[new], reasons[new] = self._walked(k[new])
+            values[new], reasons[new] = self._walk(k[new])
+            values[np.isnan(values)] = np.nan  # one NaN: a store keeps no other
+            self._report(k[new], reasons[new].tolist())
+            if self.store is not None:
+                self.store.add(k[new].tolist(), list(map(Evaluation, values[new], reasons[new].tolist())))
         return values, reasons.astype(np.str_)
-
-    def _walked(self, k: Ints) -> tuple[Array, Words]:
-        """Values and reasons of designs that have not been walked, and are kept then."""
-        values, found = self._walk(k)
-        values[np.isnan(values)] = np.nan  # one NaN: a store keeps no other
-        reasons = [str(reason) for reason in found]
-        self._report(k, reasons)
-        if self.store is not None:
-            self.store.add(k.tolist(), list(map(Evaluation, values, reasons)))
-        return values, np.array(reasons)
 
     def _report(self, k: Ints, reasons: Sequence[str]) -> None:
         """Warn of walks that have raised an exception; raise if all have, from the first one on."""

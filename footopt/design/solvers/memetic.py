@@ -50,7 +50,7 @@ class Moves(Algorithm):
         self.memory: Memory  # what a model is made of
         self.model: RankModel | None = None
         self.pool: Pool  # the population
-        self.front: Pool  # and what no other dominates, of several objectives
+        self.front: Pool  # and what no other dominates; of one objective the best
 
     def _setup(self, problem: Any, **kwargs: Any) -> None:
         self.proposed = Known()
@@ -171,7 +171,6 @@ class Memetic(Moves):
     def __init__(self, pop_size: int | None = None, **kwargs: Any) -> None:
         super().__init__(pop_size, **kwargs)
         self.parents, self.age = PARENTS, 0
-        self.champion: Pool
 
     def _advance(self, infills: Any = None, told: Any = None, **kwargs: Any) -> None:
         pool = self.pool.joined(told)
@@ -179,14 +178,10 @@ class Memetic(Moves):
         self.age = 0 if best[0] >= len(self.pool.X) else self.age + 1
         self._go_on_with(pool.take(best))
 
-    def _initialize_advance(self, infills: Any = None, told: Any = None, **kwargs: Any) -> None:
-        self.champion = told.take(slice(0))
-        super()._initialize_advance(infills, told, **kwargs)
-
     def _set_optimum(self) -> None:
-        pool = self.champion.joined(self.pool.take(slice(1)))
-        self.champion = pool.take(pool.order()[:1])
-        self.opt = self.champion.pop
+        pool = self.front.joined(self.pool.take(slice(1)))
+        self.front = pool.take(pool.order()[:1])
+        self.opt = self.front.pop
 
     def _parents(self, count: int) -> Ints:
         """The better, the more often: the square of a uniform number picks the place."""

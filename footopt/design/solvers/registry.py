@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from itertools import islice
 from typing import Any
 
 from footopt.errors import SettingError, check, is_number
@@ -131,11 +130,6 @@ class Solver:
             if proposed >= self.most or generation == self.n_gen:
                 break
         return int(generation)
-
-    @property
-    def designs(self) -> float:
-        """Designs that it proposes at most; one that comes up again counts again."""
-        return min(self.most, sum(islice(self.sizes(), self.n_gen)) if self.n_gen else math.inf)
 
     def build(self, n_obj: int) -> Any:
         """A fresh pymoo algorithm; `SettingError` if it is not for that many objectives."""
