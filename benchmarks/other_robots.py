@@ -81,7 +81,7 @@ def without_boom() -> fo.mujoco.Robot:
             data.ctrl[hip] += share * stance + (1.0 - share) * swing
             data.ctrl[joint] += share * ankle
 
-    end, after = tracker.duration, tracker.after
+    end, after = tracker.duration, tracker.gait.heel_strike
     return fo.mujoco.Robot(spec, controller=balance, key="start", duration=end, after=after)
 
 

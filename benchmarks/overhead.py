@@ -14,7 +14,7 @@ from unittest.mock import patch
 import footopt as fo
 from footopt.design.archive import Archive
 from footopt.design.solvers import Solver
-from footopt.walk import batch
+from footopt.walk import loop
 
 # functions of the same names hide these modules in their packages
 scene_module = import_module("footopt.walk.scene")
@@ -55,9 +55,8 @@ class Clock:
 
         with ExitStack() as stack:
             for owner, attribute, name in (
-                (batch, "walk_range", "kernel"),
                 (scene_module, "walk_batch", "walk"),
-                (batch, "as_plates", "plates"),
+                (scene_module, "as_plates", "plates"),
                 (prepare_module, "soles", "blocks"),
                 (problem_module, "evaluate", "evaluate"),
                 (fo.FootProblem, "minimised", "judge"),
@@ -69,6 +68,9 @@ class Clock:
                     stack.enter_context(patch.object(owner, attribute, _method(wrapped)))
                 else:
                     stack.enter_context(patch.object(owner, attribute, wrapped))
+            kernel = loop.compiled_for
+            timed = patch.object(loop, "compiled_for", lambda *of: self.timed("kernel", kernel(*of)))
+            stack.enter_context(timed)
             stack.enter_context(patch.object(Solver, "build", watched))
             yield
 

@@ -26,7 +26,7 @@ import startup
 from measure import SANDS, arguments, feet, interleaved, processor, scene
 
 import footopt as fo
-from footopt.walk.batch import available_threads
+from footopt.walk.loop import available_threads
 
 Row = tuple[str, str, str]  # what, measured, aim
 

@@ -34,7 +34,7 @@ import footopt as fo
 from footopt.design import SOLVERS
 from footopt.design.solvers.moves import shifts
 from footopt.errors import MissingError, needed
-from footopt.gait.fourier import Fourier
+from footopt.gait import Fourier
 
 FIRST_SCENE, RUGGED, BIPEDS, MANY = 101, 601, (701, 702, 703), 10_000
 BUDGETS = (100, 300, 1_000, MANY)

@@ -27,7 +27,7 @@ from pymoo.operators.repair.rounding import RoundingRepair
 from pymoo.optimize import minimize
 
 import footopt as fo
-from footopt.gait.fourier import Fourier
+from footopt.gait import Fourier
 
 #: Lowest, own and highest value: stride time in s, the thigh's swing and the knee's bend as factors, the
 #: foot's pitch in deg (+ toe up).

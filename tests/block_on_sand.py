@@ -41,9 +41,9 @@ def settle(model, data, seconds):
 
 
 @njit(error_model="numpy")
-def _forces(friction, acting, faces, law, up, surface, forward, twist, c, turn, h0):
+def _forces(acting, faces, law, up, surface, forward, twist, c, turn, h0):
     """`footopt.mujoco.faces.forces`, compiled."""
-    return forces(friction, acting, 0.0, faces, law, up, surface, forward, twist, c, turn, h0)
+    return forces(acting, 0.0, faces, law, up, surface, forward, twist, c, turn, h0)
 
 
 def feel(contact, up, twist, height, c=0.0, turn=1e9, bristles=None):
@@ -54,6 +54,5 @@ def feel(contact, up, twist, height, c=0.0, turn=1e9, bristles=None):
     way, acting = c * twist, contact.acting
     surface = float(height + up @ way[:3]), tuple((up - np.cross(way[3:], up)).tolist())
     forward, up = (0.0, (1.0, 0.0, 0.0)), tuple(np.asarray(up, float).tolist())
-    acting = (float(body["friction"]), acting._replace(gates=None)) if body["mesh"] else (None, acting)
-    total, rows = _forces(*acting, faces, body["law"], up, surface, forward, twist, c, turn, h0)
+    total, rows = _forces(acting, faces, body["law"], up, surface, forward, twist, c, turn, h0)
     return np.array(total), np.array(rows)

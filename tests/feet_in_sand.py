@@ -34,8 +34,6 @@ def feel(plates, pose, vx, vz, *on, zeta=1.0, creep=1e-2, stage=None, x=0.0, z=0
     """`Force` on one foot with effects, as an array, and the counts; the other foot is in the sky."""
     scene = fo.Scene(sand=fo.Sand(zeta), effects=on)
     acting = laws(scene.effects)
-    if not acting.directed:
-        plates = plates._replace(tx=None, tz=None)
     counts, constants = np.zeros(1, COUNTS)[0], scene.constants(fo.Accuracy(creep=creep))
     state = constants, sole_of(plates), np.array([pose, SKY]), Motion(x, z, vx, vz), creep, stage, counts
     found = compiled_for(both_feet, acting.all)(*state)
@@ -62,4 +60,4 @@ def blade(beta, length=0.016, width=0.016, parts=8):
     s = length * ((np.arange(parts) + 0.5) / parts - 0.5)
     columns = (s * math.cos(beta), s * math.sin(beta), math.cos(2 * beta), math.sin(2 * beta))
     columns = (*columns, length * width / parts, math.cos(beta), math.sin(beta), 0.0)
-    return Plates(*(np.full((1, parts), column) for column in columns))
+    return Plates(*(np.full((1, parts), column) for column in columns), np.zeros(1))

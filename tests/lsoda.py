@@ -47,7 +47,7 @@ def lsoda_objectives(walk, rtol=1e-9):
     """
     scene, accuracy = walk.scene, walk.accuracy
     walker, t_f = scene.walker, scene.duration
-    plates = walk.foot.plates(accuracy.plates, "chord", directed=True, fill=reshaping(scene.effects))
+    plates = walk.foot.plates(accuracy.plates, "chord", fill=reshaping(scene.effects))
     tilt, g = scene.gravity
 
     def at(t, state):

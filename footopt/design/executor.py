@@ -23,7 +23,7 @@ from footopt.arrays import Array, Ints, Words
 from footopt.design.problem import FootProblem
 from footopt.design.store import ERROR, context, differences, listed
 from footopt.errors import EngineError, FootoptError, check, shortened
-from footopt.walk.batch import at_once, available_threads
+from footopt.walk.loop import at_once, available_threads
 
 IDLE = 3600.0  # s, for which a worker process stays without work
 ENGINES = ("local", "processes")

@@ -17,8 +17,7 @@ from footopt.arrays import Array
 from footopt.effects import EFFECTS, Effect, name_of
 from footopt.errors import check, check_whole
 from footopt.foot import Waypoints
-from footopt.gait import Gait
-from footopt.gait.fourier import Fourier
+from footopt.gait import Fourier, Gait
 from footopt.sand import Sand
 from footopt.walk.scene import Scene
 

@@ -71,9 +71,7 @@ class Effect:
     in_page = False  # whether the walk in a run's page has it, too (`contact.js`)
 
     law: Any = None  # its numbers as a NamedTuple with the methods that are compiled; None without any
-    bristle_length: Any = (
-        None  # m, over which the sand under a plate gives way elastically; None without bristles
-    )
+    bristle_length: Any = None  # m, over which the sand under a plate gives way elastically; None: not so
     #: Where on the way and how deep the sand is another: from and to, m, and how many times as strong, each.
     zones: Any = ()
     strata: Any = ()
@@ -145,11 +143,6 @@ class Laws(NamedTuple):
     pushes: Any
 
     @property
-    def directed(self) -> bool:
-        """Whether plates must know their outward normal."""
-        return self.gates is not None or self.pushes is not None
-
-    @property
     def all(self) -> tuple[Any, ...]:
         """Every law, once for each of its methods."""
         return tuple(law for laws in self for law in laws or ())
@@ -162,12 +155,6 @@ def laws(effects: Sequence[Effect]) -> Laws:
         if not any(hasattr(law, hook) for hook in HOOKS):
             raise SettingError("effects", type(law).__name__, f"a law with a method {', '.join(HOOKS)}")
     return Laws(*(tuple(law for law in found if hasattr(law, hook)) or None for hook in HOOKS))
-
-
-def plausible_gates() -> tuple[Any, ...] | None:
-    """The gates of effects that may be true of any walk, with which a search's answer is judged, too."""
-    found = [kind().law for kind in EFFECTS.values() if kind.plausible]
-    return tuple(law for law in found if hasattr(law, "gate")) or None
 
 
 def _over(hook: str, none: Callable[..., Any], join: Callable[..., Any]) -> Callable[..., Any]:

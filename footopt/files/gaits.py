@@ -15,8 +15,7 @@ from footopt.arrays import Array
 from footopt.errors import Unusable, check, check_whole, naming
 from footopt.files import io
 from footopt.files.strides import Strides, cut
-from footopt.gait import Fourier, Gait
-from footopt.gait.gait import HARMONICS, JOINTS
+from footopt.gait import HARMONICS, JOINTS, Fourier, Gait
 
 #: Columns by part, in small letters without punctuation; the side may stand before or after.
 COLUMNS = {

@@ -7,8 +7,7 @@ import numpy as np
 
 from footopt.arrays import Array
 from footopt.errors import Unusable
-from footopt.gait import Fourier
-from footopt.gait.gait import HARMONICS
+from footopt.gait import HARMONICS, Fourier
 
 PERIOD_RANGE = (0.2, 5.0)  # of a stride, s: a sprinter's is 0.45; anything else is a mistake in the units
 MIN_AUTOCORRELATION = 0.8  # least autocorrelation that is a period

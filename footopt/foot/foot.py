@@ -144,11 +144,9 @@ class Foot:
             return np.asarray(self.space.points(self.k, steps * parts)[0])
         return along_arc(self.contour, steps, parts)
 
-    def plates(
-        self, plates: int, rule: str = "arc", directed: bool = False, fill: Fill | None = None
-    ) -> Plates:
+    def plates(self, plates: int, rule: str = "arc", fill: Fill | None = None) -> Plates:
         """Cut the sole into plates, (1, plates); see `as_plates`."""
-        return as_plates([self], plates, rule, directed, fill)
+        return as_plates([self], plates, rule, fill)
 
     @property
     def hollow(self) -> float:
@@ -229,9 +227,7 @@ def as_feet(feet: Any, space: Waypoints | None = None) -> Sequence[Foot]:
     return Soles(heights, space or Waypoints(n=heights.shape[1])) if heights.size else []
 
 
-def as_plates(
-    feet: Sequence[Foot], plates: int, rule: str, directed: bool = False, fill: Fill | None = None
-) -> Plates:
+def as_plates(feet: Sequence[Foot], plates: int, rule: str, fill: Fill | None = None) -> Plates:
     """The plates of feet.
 
     `fill` changes the soles before they are cut, as an effect does (`footopt.effects.reshaping`); the rest is
@@ -246,4 +242,4 @@ def as_plates(
         points = np.stack([foot.points(plates, RULES[rule]) for foot in feet])
     ankle, width, top = (np.array([getattr(b, n) for b in bodies], float) for n in ("ankle", "width", "top"))
     points = points if fill is None else fill(points)
-    return Plates.from_points(points, ankle, width, rule, directed, top if bodies[0].closed else None)
+    return Plates.from_points(points, ankle, width, rule, top if bodies[0].closed else None)

@@ -20,49 +20,40 @@ CORNER = 0.3  # rad: chords that stand for a curve turn by less
 
 
 class Plates(NamedTuple):
-    """The plates of a batch of feet: arrays of shape (designs, plates), but for `span`.
-
-    tx, tz and turn are None where nothing asks for them.
-    """
+    """The plates of a batch of feet: arrays of shape (designs, plates), but for `span`."""
 
     x: Array  # m, in the foot frame from the ankle
     z: Array  # m
     c2: Array  # cosine of twice the plate's angle, or its mean ...
     s2: Array  # ... and its sine: all that the stress law needs of the angle
     area: Array  # m^2
-    tx: Array | None = None  # along the contour, a unit vector; (t_z, -t_x) is its outward normal
-    tz: Array | None = None
-    turn: Array | None = None  # rad, of the contour within a plate; 0 for chords
-    span: Array | None = None  # (designs,), m, for which a plate stands; None for chords
+    tx: Array  # along the contour, a unit vector; (t_z, -t_x) is its outward normal
+    tz: Array
+    turn: Array  # rad, of the contour within a plate; 0 for chords
+    span: Array  # (designs,), m, for which a plate stands; 0 for chords
 
     @classmethod
-    def from_points(
-        cls, points: Array, ankle: Array, width: Array, rule: str, directed: bool, top: Array | None
-    ) -> Self:
+    def from_points(cls, points: Array, ankle: Array, width: Array, rule: str, top: Array | None) -> Self:
         """Cut soles into plates, and with a `top` (designs,), m, the sides and tops that close them.
 
         Points (designs, plates * RULES[rule] + 1, 2), m, are at equal steps along the arc, from heel to toe
         with the sand below. The ankle is (designs, 2), m, the width (designs,), m.
         """
-        sole = cls._along(points, ankle, width, RULES[rule], directed)
-        span = None if RULES[rule] == 1 else sole.area.mean(axis=1) / width
-        if top is None:
-            return sole._replace(span=span)
-        rest = cls._along(cap(points, top, sole.x.shape[1]), ankle, width, 1, directed)
-        pairs = zip(sole, rest, strict=True)
-        both = (None if a is None or b is None else np.concatenate([a, b], axis=-1) for a, b in pairs)
-        return cls._make(both)._replace(span=span)
-
-    @classmethod
-    def _along(cls, points: Array, ankle: Array, width: Array, parts: int, directed: bool) -> Self:
-        """Plates of some chords each."""
-        x, z, c2, s2, length, tx, tz = cut(points, parts)
-        plates = cls(x - ankle[:, :1], z - ankle[:, 1:], c2, s2, length * width[:, None])
-        return plates._replace(tx=tx, tz=tz, turn=turns_within(points, parts)) if directed else plates
+        pieces = [(points, RULES[rule])]
+        if top is not None:
+            pieces.append((cap(points, top, (points.shape[1] - 1) // RULES[rule]), 1))
+        cuts = [[*cut(line, parts), turns_within(line, parts)] for line, parts in pieces]
+        span = (
+            np.zeros(len(points)) if RULES[rule] == 1 else (cuts[0][4] * width[:, None]).mean(axis=1) / width
+        )
+        x, z, c2, s2, length, tx, tz, turn = (
+            np.concatenate(column, axis=1) for column in zip(*cuts, strict=True)
+        )
+        return cls(x - ankle[:, :1], z - ankle[:, 1:], c2, s2, length * width[:, None], tx, tz, turn, span)
 
     def take(self, index: slice | Ints) -> Self:
         """The plates of some of the designs."""
-        return type(self)._make(None if c is None else np.ascontiguousarray(c[index]) for c in self)
+        return type(self)._make(np.ascontiguousarray(column[index]) for column in self)
 
 
 @cached_njit(nogil=True, error_model="numpy")

@@ -5,7 +5,6 @@ Needs ``pip install "footopt[mujoco]"``; importing this package does not import 
 
 from footopt.mujoco.attaching import Contact, attach
 from footopt.mujoco.controllers import Commands, Tracker
-from footopt.mujoco.intrusion import Grains
 from footopt.mujoco.robot import Robot
 
-__all__ = ["Commands", "Contact", "Grains", "Robot", "Tracker", "attach"]
+__all__ = ["Commands", "Contact", "Robot", "Tracker", "attach"]

@@ -14,22 +14,19 @@ import numpy as np
 
 from footopt.arrays import Array
 from footopt.effects import Effect, reshaping
-from footopt.effects.base import BRISTLE_LENGTH, ordered
-from footopt.errors import SettingError, check, needed
+from footopt.effects.base import BRISTLE_LENGTH
+from footopt.errors import SettingError, check, check_kind, needed
 from footopt.foot import Foot, Plates
 from footopt.mujoco.callback import ATTACHED, FORGOT, MOST, callback, compiled, with_effects
-from footopt.mujoco.faces import COLUMNS
 from footopt.mujoco.implicit import ROOM
-from footopt.mujoco.intrusion import Grains, xi_of
-from footopt.mujoco.memory import memory, remembering
-from footopt.mujoco.native import functions
+from footopt.mujoco.native import functions, memory, remembering
 from footopt.mujoco.step import BEGIN, BEND, BODY, COUNTED, END, FREEDOM, MEAN, STEP, TRACED, Workspace
 from footopt.sand import Sand
 from footopt.sand.law import EARTH
 from footopt.walk.accuracy import Accuracy
-from footopt.walk.discretize import compiled_once, world
+from footopt.walk.discretize import compiled_once
+from footopt.walk.scene import Scene
 from footopt.walk.state import World
-from footopt.walk.walker import Walker
 
 #: Contacts in use by the address of their MjData: all that the callback reads has to stay where it is.
 _KEPT: dict[int, Contact] = {}
@@ -52,11 +49,10 @@ class Contact:
         Of your robot.
     data : mujoco.MjData
         Of this model; only steps that are made with it meet sand.
-    feet : mapping of str to Foot or str
-        By name of the body: a sole, whose ankle is the body's origin, x forward and z up, or the name of a
-        mesh geom of this body.
-    sand : Sand or Grains
-        Soles feel its planar law, meshes 3D-RFT (`footopt.mujoco.intrusion`).
+    feet : mapping of str to Foot
+        By name of the body: a sole, whose ankle is the body's origin, x forward and z up.
+    sand : Sand
+        Whose law its plates feel.
     effects : sequence of Effect
         As in a `Scene`; the sand holds by bristles, whether an effect says over which length or not.
     plates : int, 1
@@ -79,16 +75,15 @@ class Contact:
         self,
         model: Any,
         data: Any,
-        feet: Mapping[str, Foot | str],
-        sand: Sand | Grains,
+        feet: Mapping[str, Foot],
+        sand: Sand,
         effects: Sequence[Effect] = (),
         plates: int = 64,
         traced: int = 0,
         remembers: bool = False,
     ) -> None:
         mujoco = needed("mujoco", "footopt.mujoco", "mujoco")
-        grains, planar = (sand, sand.sand) if isinstance(sand, Grains) else (Grains(), sand)
-        found, once, acting = _laws(planar, tuple(effects))
+        found, once, acting = _laws(sand, tuple(effects))
         g = float(np.linalg.norm(model.opt.gravity)) / EARTH
         check(feet, "feet", {}, "a body and its foot, at least")
         check(plates >= 4 and plates % 2 == 0, "plates", plates, "an even number from 4")
@@ -103,15 +98,12 @@ class Contact:
             raise SettingError("feet", name, f"the name of a body: {', '.join(names)}")
         self.lines = 1 if _in_one_plane(mujoco, model, data, rows) else 2
         for body, row, foot in zip(bodies, rows, feet.values(), strict=True):
-            if isinstance(foot, Foot):
-                if id(foot) not in soles:  # both feet often have one
-                    cut = foot.plates(plates // 2, directed=True, fill=reshaping(effects))
-                    soles[id(foot)] = _sole(cut, foot.width, self.lines)
-                table = soles[id(foot)]
-                body["law"] = g * np.array(found.law)
-            else:
-                table = _mesh(mujoco, model, row, foot)
-                body["mesh"], body["law"][0], body["friction"] = 1, g * xi_of(planar), grains.surface
+            check_kind(foot, Foot, "feet", "By name of its body.")
+            if id(foot) not in soles:  # both feet often have one
+                cut = foot.plates(plates // 2, fill=reshaping(effects))
+                soles[id(foot)] = _sole(cut, foot.width, self.lines)
+            table = soles[id(foot)]
+            body["law"] = g * np.array(found.law)
             body["row"], body["first"], body["last"] = row, first, first + table.shape[1]
             body["reach"] = np.linalg.norm(table[:3], axis=0).max()
             tables.append(table.ravel())
@@ -122,7 +114,7 @@ class Contact:
         step["rk4"] = model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
         step["length"], step["bypass"] = found.bristle_length or BRISTLE_LENGTH, once.bypass
         jacobian = np.zeros((n, model.nv))
-        steps, wrenches = compiled(), with_effects(acting, bool(bodies["mesh"].any()) or None)
+        steps, wrenches = compiled(), with_effects(acting)
         outside = (
             *functions("mj_getState", "mj_jacBody", "mju_warning"),
             *(steps[i].address for i in range(BEGIN, BEND + 1)), wrenches.address,
@@ -156,7 +148,12 @@ class Contact:
 
     def detach(self) -> None:
         """Take the sand away from this MjData."""
-        _drop(self)
+        with _LOCK:
+            if _KEPT.get(self.data._address) is self:
+                del _KEPT[self.data._address]
+                ATTACHED[ATTACHED[:, 0] == self.data._address, 0] = 0
+                if not _KEPT:
+                    _passive(None)
 
     def lift(self, weight: float) -> float:
         """How much higher the sand under the attached feet carries a weight, N, as they sink, m; or NaN."""
@@ -216,7 +213,7 @@ class Contact:
         return dict(zip(self.names, values, strict=True))
 
 
-def attach(model: Any, data: Any, feet: Mapping[str, Foot | str], *given: Any, **options: Any) -> Contact:
+def attach(model: Any, data: Any, feet: Mapping[str, Foot], *given: Any, **options: Any) -> Contact:
     """`Contact` of a model, or of a mujoco.MjSpec, with None for data: it has `model` and `data` of it.
 
     States of such a model (`mujoco.mj_getState`) hold the sand's memory: any data of it, with the same feet
@@ -236,7 +233,7 @@ def attach(model: Any, data: Any, feet: Mapping[str, Foot | str], *given: Any, *
 @lru_cache(maxsize=32)
 def _laws(sand: Sand, effects: tuple[Effect, ...]) -> tuple[World, World, bytes]:
     """The law of a sand with effects, as it is and as it is compiled, and its compiled effects, pickled."""
-    found = world(sand, Walker(), ordered(effects), Accuracy().creep)
+    found = Scene(sand, effects=effects).constants(Accuracy())
     once = compiled_once(found)
     return found, once, pickle.dumps(once.effects)
 
@@ -255,26 +252,9 @@ def _in_one_plane(mujoco: Any, model: Any, data: Any, rows: list[int]) -> bool:
 
 def _sole(cut: Plates, width: float, lines: int) -> Array:
     """The faces of a sole, (10, plates), as `faces.forces` takes them."""
-    x, z, c2, s2, area, tx, tz = (np.tile(column[0], lines) for column in cut[:7] if column is not None)
+    x, z, c2, s2, area, tx, tz = (np.tile(column[0], lines) for column in cut[:7])
     y = np.repeat([-1.0, 1.0] if lines == 2 else [0.0], len(cut.x[0])) * width / (2.0 * np.sqrt(3.0))
     return np.array([x, y, z, area / lines, tz, 0 * x, -tx, 0.5 - 0.5 * c2, -0.5 * s2, 0.5 + 0.5 * c2])
-
-
-def _mesh(mujoco: Any, model: Any, body: int, name: str) -> Array:
-    """The faces of a mesh geom, (10, faces), in the body's frame."""
-    names = {model.geom(i).name: i for i in range(model.ngeom) if model.geom_bodyid[i] == body}
-    if name not in names or model.geom_type[names[name]] != mujoco.mjtGeom.mjGEOM_MESH:
-        raise SettingError("feet", name, f"a Foot, or a mesh geom of the body: {', '.join(names) or 'none'}")
-    geom, turned = names[name], np.empty(9)
-    mesh = model.mesh(model.geom_dataid[geom])
-    start, first = int(mesh.vertadr[0]), int(mesh.faceadr[0])
-    mujoco.mju_quat2Mat(turned, model.geom_quat[geom])
-    corners = model.mesh_vert[start:][model.mesh_face[first : first + int(mesh.facenum[0])]]
-    a, b, c = np.moveaxis(corners @ turned.reshape(3, 3).T + model.geom_pos[geom], 1, 0)
-    normal = 0.5 * np.cross(b - a, c - a)
-    area = np.linalg.norm(normal, axis=1)
-    n = (normal / np.maximum(area, 1e-300)[:, None]).T
-    return np.array([*(a + b + c).T / 3.0, area, *n, *np.zeros((COLUMNS - 7, len(area)))])
 
 
 def _need_no_floor(model: Any, row: int, reach: float) -> None:
@@ -321,17 +301,6 @@ def _keep(contact: Contact) -> None:
         foot = ctypes.addressof(name), 1e6 * contact._bodies["reach"][0]
         ATTACHED[free[0], 1:] = contact.addresses.ctypes.data, compiled()["passive"].address, *foot
         ATTACHED[free[0], 0] = address
-
-
-def _drop(contact: Contact) -> None:
-    """Undo `_keep`."""
-    address = contact.data._address
-    with _LOCK:
-        if _KEPT.get(address) is contact:
-            del _KEPT[address]
-            ATTACHED[ATTACHED[:, 0] == address, 0] = 0
-            if not _KEPT:
-                _passive(None)
 
 
 def _passive(function: Any) -> None:

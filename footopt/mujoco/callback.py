@@ -63,12 +63,12 @@ def compiled() -> dict[Any, Any]:
 
 
 @lru_cache
-def with_effects(effects: bytes, meshes: bool | None) -> Any:
+def with_effects(effects: bytes) -> Any:
     """The wrenches under some effects, pickled `Laws`."""
     acting = pickle.loads(effects)
 
     def wrenches(address, stage, c):
-        implicit.wrenches(address, acting, meshes, stage, c)
+        implicit.wrenches(address, acting, stage, c)
 
     wrenches.__qualname__ = f"wrenches_{hashlib.sha256(effects).hexdigest()[:16]}"  # a file of its own
     return entry(wrenches, types.intp, types.intp, types.float64, keep=not own_code(acting.all))

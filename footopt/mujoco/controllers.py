@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from itertools import product
-from typing import Any, TypeAlias
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 
@@ -14,11 +14,8 @@ from footopt.gait import Gait
 #: Joints of a leg in `Gait.angles`: hip, knee and ankle turn by the angles between their links.
 JOINTS = ("hip", "knee", "ankle")
 SIDES = ("left", "right")
-
-
-def named_by_side() -> dict[str, str]:
-    """Names of joints as in the biped that comes with footopt: left_hip is the left hip, and so on."""
-    return {f"{side}_{joint}": f"{side}_{joint}" for side, joint in product(SIDES, JOINTS)}
+#: Names of joints by side; those of the biped that comes with footopt are the same.
+LEGS = tuple(f"{side}_{joint}" for side, joint in product(SIDES, JOINTS))
 
 
 @dataclass(frozen=True)
@@ -45,17 +42,11 @@ class Tracker:
     """
 
     gait: Gait = field(default_factory=Gait.human)
-    joints: Mapping[str, str] = field(default_factory=named_by_side, hash=False)
+    joints: Mapping[str, str] = field(default_factory=lambda: dict(zip(LEGS, LEGS, strict=True)), hash=False)
 
     def __post_init__(self) -> None:
-        known = [f"{side}_{joint}" for side, joint in product(SIDES, JOINTS)]
         for name, angle in self.joints.items():
-            check(angle.removeprefix("-") in known, f"joints.{name}", angle, f"one of {', '.join(known)}")
-
-    @property
-    def after(self) -> float:
-        """The first heel strike, s."""
-        return self.gait.heel_strike
+            check(angle.removeprefix("-") in LEGS, f"joints.{name}", angle, f"one of {', '.join(LEGS)}")
 
     @property
     def duration(self) -> float:
@@ -110,13 +101,10 @@ class Commands:
         From 0 on.
     table : mapping of str to (T,)
         By name of the actuator. Those that are not in it are told 0.
-    after : float, s
-        When the robot walks: falls of its speed and peaks of power count from then on.
     """
 
     t: Array
     table: Mapping[str, Array]
-    after: float = 0.0
 
     def __post_init__(self) -> None:
         t = np.asarray(self.t, float)
@@ -153,21 +141,17 @@ class FunctionController:
     """
 
     function: Callable[[Any, Any], object] = field(compare=False)  # a store keeps its name and its source
-    after: float = 0.0
-    duration: float | None = None
-    name: str = ""
+    name: str = field(default="", init=False)
+    duration: ClassVar[float | None] = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "name", getattr(self.function, "__qualname__", repr(self.function)))
 
-    def _all(self) -> tuple[Any, ...]:
-        return self.function, self.after, self.duration
-
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, FunctionController) and self._all() == other._all()
+        return isinstance(other, FunctionController) and self.function == other.function
 
     def __hash__(self) -> int:
-        return hash(self._all())
+        return hash(self.function)
 
 
 Controller: TypeAlias = Tracker | Commands | FunctionController

@@ -3,7 +3,7 @@
 All vectors are in the body's frame: its twist (v of its origin, omega), the faces' places r and the direction
 up, which is all that the law must know of the attitude. A face moves with v + omega x r.
 
-*Soles* feel the planar law (`footopt.sand.law`), written with vectors, so that a plate may be tilted
+They feel the planar law (`footopt.sand.law`), written with vectors, so that a plate may be tilted
 across its motion. With the normal n, up u, <n n> the mean over a bent plate, q = <n n> u, l = q.u (1 for a
 level plate, 0 for a wall), c = 2 l - 1, s = -2 (q - l u) and P = 1 - u u, the stress is a - M h::
 
@@ -14,21 +14,16 @@ level plate, 0 for a wall), c = 2 l - 1, s = -2 (q - l u) and P = 1 - u u, the s
 It is the planar law wherever motion, normal and up are in one plane. Elsewhere a wall resists the part of the
 motion that is along its normal, and slides along itself as hard sideways as up and down, which is F. The
 plate's projection into the plane of motion would have no direction where the motion is vertical.
-*Meshes* feel 3D-RFT (`footopt.mujoco.intrusion`).
 """
 
-import numpy as np
-
-from footopt.compiled import inlined, inlined_fast
+from footopt.compiled import inlined_fast
 from footopt.effects import base as effects
-from footopt.effects.dual import Dual, lift, smooth_step
-from footopt.mujoco.intrusion import TABLE
+from footopt.effects.dual import Dual, lift
 from footopt.sand.law import Law
 from footopt.walk.contact import EDGE, rsqrt
 
 #: Rows of a table of faces: place, m; area, m^2; outward normal; <n n>'s xx, xz and zz.
 X, Y, Z, AREA, NX, NY, NZ, QXX, QXZ, QZZ, COLUMNS = range(11)
-NUDGE = 1e-5  # of h, over which 3D-RFT's derivative is taken
 
 
 @inlined_fast
@@ -83,44 +78,6 @@ def planar(law, qxx, qxz, qzz, u, h):
     return plus(plus(turned, law.A00 + law.A10 * c, u), -law.D10, s), by_h
 
 
-@inlined
-def stress(n, h, up, surface):
-    """Stress per depth over xi on a face, three numbers: the law, times |h| where bristles hold it.
-
-    n: outward normal. h: direction of motion, |h| <= 1, the sand's bristles. up: against gravity. surface:
-    friction of the surface; infinity leaves the law as it is. All in one frame.
-    """
-    size = np.sqrt(dot(h, h))
-    if size < 1e-12:
-        return 0.0, 0.0, 0.0
-    x1, x2, x3 = -dot(up, h) / size, -dot(up, n), dot(n, h) / size
-    if x3 <= -EDGE:
-        return 0.0, 0.0, 0.0
-    terms = (
-        1.0, x1, x2, x3, x1 * x1, x2 * x2, x3 * x3, x1 * x2, x2 * x3, x3 * x1, x1 * x1 * x1, x2 * x2 * x2,
-        x3 * x3 * x3, x1 * x2 * x2, x2 * x1 * x1, x2 * x3 * x3, x3 * x2 * x2, x3 * x1 * x1, x1 * x3 * x3,
-        x1 * x2 * x3,
-    )  # fmt: skip
-    f1 = f2 = f3 = 0.0
-    for i in range(20):
-        f1, f2, f3 = f1 + TABLE[0, i] * terms[i], f2 + TABLE[1, i] * terms[i], f3 + TABLE[2, i] * terms[i]
-    inwards = max(-(f1 + f2 * x3 + f3 * x2), 0.0)  # sand pushes and never pulls
-    tangent = plus(times(f2, plus(times(1.0 / size, h), -x3, n)), -f3, plus(up, x2, n))
-    slip = min(1.0, surface * inwards / max(np.sqrt(dot(tangent, tangent)), 1e-12))
-    return times(size * smooth_step(x3 / EDGE), plus(times(slip, tangent), -inwards, n))
-
-
-@inlined
-def solid(xi, friction, n, u, h):
-    """`planar` for 3D-RFT; xi: its material constant, N/m^3. friction: of the surface."""
-    p = times(xi, stress(n, h, u, friction))
-    x = plus(times(xi, stress(n, (h[0] + NUDGE, h[1], h[2]), u, friction)), -1.0, p)
-    y = plus(times(xi, stress(n, (h[0], h[1] + NUDGE, h[2]), u, friction)), -1.0, p)
-    z = plus(times(xi, stress(n, (h[0], h[1], h[2] + NUDGE), u, friction)), -1.0, p)
-    k = 1.0 / NUDGE
-    return p, (times(k, (x[0], y[0], z[0])), times(k, (x[1], y[1], z[1])), times(k, (x[2], y[2], z[2])))
-
-
 @inlined_fast
 def by_twist(r, k, by_h, h, slides, sinking, u, throw, n):
     """A row of the derivative of a face's force by the twist, (6,).
@@ -146,14 +103,14 @@ def add(total, a, one, b, two):
 
 
 @inlined_fast
-def forces(friction, acting, open, faces, a, u, surface, forward, twist, c, turn, h0):
+def forces(acting, open, faces, a, u, surface, forward, twist, c, turn, h0):
     """The wrench (6,) on a body about its origin, N and N m, and its derivative (6, 6) by the twist.
 
-    The loop over a sole's plates stores nothing, so that it is vectorised: five times faster.
+    The loop over plates stores nothing, so that it is vectorised: five times faster.
 
-    friction: of a mesh's surface, None for a sole. acting: `Laws` of effects, whose derivatives are here by
+    acting: `Laws` of effects, whose derivatives are here by
     depth and place, and by n.v and depth. open: added to how far a face leads, 0 or enough to open all gates.
-    a: the `footopt.sand.law.Law` times zeta, N/m^3, or xi of a mesh. u: up. surface, forward: height and x of
+    a: the `footopt.sand.law.Law` times zeta, N/m^3. u: up. surface, forward: height and x of
     a face at the stage's end are the first number, m, plus the other three by its place. twist: (6,), at the
     stage's end. c: its length, s. turn: c over delta, s/m. h0: bristles.
     """
@@ -166,12 +123,7 @@ def forces(friction, acting, open, faces, a, u, surface, forward, twist, c, turn
         square = dot(bent, bent)
         q = rsqrt(max(square, 1.0))
         h, slides = times(q, bent), 1.0 if square > 1.0 else 0.0
-        if friction is None:
-            p, by_h = planar(law, faces[QXX, i], faces[QXZ, i], faces[QZZ, i], u, h)
-        else:
-            if depth == 0.0:
-                continue
-            p, by_h = solid(law.A00, friction, n, u, h)
+        p, by_h = planar(law, faces[QXX, i], faces[QXZ, i], faces[QZZ, i], u, h)
         place = forward[0] + dot(forward[1], r)
         load = effects.load(acting.loads, Dual(depth, 1.0, 0.0), Dual(place, 0.0, 1.0))
         gate = lift(effects.gate(acting.gates, Dual(open + dot(h, n) / EDGE, 1.0 / EDGE, 0.0), depth))

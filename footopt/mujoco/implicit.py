@@ -14,7 +14,6 @@ and dampers of joints and servos pull back since. MuJoCo is given the mean of F.
 import numpy as np
 
 from footopt.compiled import called_fast, inlined_fast
-from footopt.effects import Laws
 from footopt.mujoco import step as steps
 from footopt.mujoco.faces import COLUMNS, cross, dot, forces, moved, plus
 from footopt.mujoco.native import call
@@ -109,7 +108,7 @@ def solution(address, moves, c, rest, y):
 
 
 @inlined_fast
-def wrenches(address, effects, meshes, stage, c):
+def wrenches(address, effects, stage, c):
     """The sand's wrenches on the near bodies, c seconds after the base at their twists, and derivatives."""
     space = workspace(address)
     step = space.step[0]
@@ -126,10 +125,7 @@ def wrenches(address, effects, meshes, stage, c):
         faces = space.faces[0, COLUMNS * first : COLUMNS * last].reshape(COLUMNS, last - first)
         h = space.bristles[stage, 3 * first : 3 * last].reshape(3, last - first)
         state = OPEN * step.bypass, faces, body.law, up, surface, forward, six, c, c / step.length, h
-        if meshes is not None and body.mesh:
-            total, rows = forces(body.friction, Laws(effects.loads, None, effects.pushes), *state)
-        else:
-            total, rows = forces(None, effects, *state)
+        total, rows = forces(effects, *state)
         for i in range(6):
             f[i] = total[i]
             for j in range(6):

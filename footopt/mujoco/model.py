@@ -20,10 +20,6 @@ from footopt.errors import SettingError, check, needed
 from footopt.foot import Foot
 
 BIPED = Path(__file__).with_name("biped.xml")
-#: Sensors that are added: place and velocity of the robot's centre of mass, and the root's upright axis.
-COM, VELOCITY, UPRIGHT = "footopt_com", "footopt_velocity", "footopt_upright"
-#: Of each actuator: force, speed and place of its joint.
-ACTUATOR = ("footopt_force_", "footopt_speed_", "footopt_place_")
 PACKAGE = "pkg://"  # before the name of a package and a path in it
 
 
@@ -38,25 +34,11 @@ class Model:
 
     @classmethod
     def read(cls, source: Any, feet: Sequence[str]) -> Model:
-        """A model that stands on sand.
+        """A model that stands on sand; source and feet as of a `Robot`, a mujoco.MjSpec stays as it is.
 
         The feet touch nothing, and floors are taken out of collisions: sand is in their place. Geoms of the
-        feet stay as they are else, with their mass, inertia and looks.
-
-        Parameters
-        ----------
-        source : str, Path or mujoco.MjSpec
-            A file of MJCF or URDF, also as ``pkg://PACKAGE/FILE`` in a Python package, MJCF as text, or a
-            specification, which is not changed.
-        feet : sequence of str
-            Names of the bodies that are feet.
-
-        Raises
-        ------
-        SettingError
-            MuJoCo does not compile it, a foot is no body of it, or no joint lets it sink.
-        MissingError
-            There is no MuJoCo: ``pip install "footopt[mujoco]"``.
+        feet stay as they are else, with their mass, inertia and looks. Raises `SettingError` if MuJoCo does
+        not compile it, a foot is no body of it, or no joint lets it sink, `MissingError` without MuJoCo.
         """
         mujoco = needed("mujoco", "fo.mujoco.Robot", "mujoco")
         what = str(source) if isinstance(source, Path) or "<" not in str(source) else "MJCF"
@@ -115,24 +97,6 @@ class Model:
             found.body_inertia[row] = mass * np.array([least + across, mean + mean, most + across])
         mujoco.mj_setConst(found, mujoco.MjData(found))
         return replace(self, digest=f"{self.digest} {density} {hash(foot)}", compiled=found)
-
-    @cached_property
-    def columns(self) -> dict[str, list[int]]:
-        """Columns of what is measured, in the place of `COM`, and so on, and of all actuators together."""
-        m, found = self.compiled, dict[str, list[int]]()
-        for name in (COM, VELOCITY, UPRIGHT):
-            of = m.sensor(name)
-            found[name] = list(range(int(of.adr[0]), int(of.adr[0] + of.dim[0])))
-        for name in ACTUATOR:
-            found[name] = [int(m.sensor(f"{name}{i}").adr[0]) for i in range(m.nu)]
-        return found
-
-    def implicit_damping(self) -> Array:
-        """What each actuator's force changes with its speed within a step, N m s; 0 for explicit ones."""
-        m, explicit = self.compiled, (0, 1)  # Euler's and RK4
-        if int(m.opt.integrator) in explicit:
-            return np.zeros(m.nu)
-        return np.where(m.actuator_biastype == 1, m.actuator_biasprm[:, 2], 0.0)
 
     @cached_property
     def height_address(self) -> int:
@@ -210,19 +174,15 @@ def _spec(mujoco: Any, source: Any) -> Any:
 
 
 def _measure(mujoco: Any, spec: Any, foot: Any) -> None:
-    """Add the sensors."""
+    """Add sensors: centre of mass, its velocity, the root's upright axis; actuators' force, speed, place."""
     root = foot
     while root.parent is not None and root.parent.name != "world":
         root = root.parent
     kind, thing = mujoco.mjtSensor, mujoco.mjtObj
-    whole = {"objtype": thing.mjOBJ_BODY, "objname": "world"}
-    spec.add_sensor(name=COM, type=kind.mjSENS_SUBTREECOM, **whole)
-    spec.add_sensor(name=VELOCITY, type=kind.mjSENS_SUBTREELINVEL, **whole)
-    upright = {"objtype": thing.mjOBJ_XBODY, "objname": root.name}
-    spec.add_sensor(name=UPRIGHT, type=kind.mjSENS_FRAMEZAXIS, **upright)
-    kinds = kind.mjSENS_ACTUATORFRC, kind.mjSENS_ACTUATORVEL, kind.mjSENS_ACTUATORPOS
+    for whole in (kind.mjSENS_SUBTREECOM, kind.mjSENS_SUBTREELINVEL):
+        spec.add_sensor(type=whole, objtype=thing.mjOBJ_BODY, objname="world")
+    spec.add_sensor(type=kind.mjSENS_FRAMEZAXIS, objtype=thing.mjOBJ_XBODY, objname=root.name)
     for i, actuator in enumerate(spec.actuators):
         actuator.name = actuator.name or f"actuator_{i}"
-        of = {"objtype": thing.mjOBJ_ACTUATOR, "objname": actuator.name}
-        for prefix, measured in zip(ACTUATOR, kinds, strict=True):
-            spec.add_sensor(name=f"{prefix}{i}", type=measured, **of)
+        for each in (kind.mjSENS_ACTUATORFRC, kind.mjSENS_ACTUATORVEL, kind.mjSENS_ACTUATORPOS):
+            spec.add_sensor(type=each, objtype=thing.mjOBJ_ACTUATOR, objname=actuator.name)

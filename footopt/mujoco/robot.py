@@ -8,14 +8,14 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
-from typing import Any, get_args
+from typing import Any, ClassVar, get_args
 
 import numpy as np
 
 from footopt.arrays import Array
-from footopt.effects.base import Effect, ordered, reshaping
+from footopt.effects.base import Effect, ordered
 from footopt.errors import SettingError, check, check_kind
-from footopt.foot import Foot, Plates, Waypoints
+from footopt.foot import Foot, Waypoints
 from footopt.gait import Gait
 from footopt.mujoco.controllers import Controller, FunctionController, Tracker
 from footopt.mujoco.model import BIPED, Model
@@ -23,11 +23,10 @@ from footopt.mujoco.traces import RobotWalk, traced
 from footopt.mujoco.walking import MEASURED, check_axes, quiet, walk
 from footopt.sand import Sand
 from footopt.walk.accuracy import Accuracy, Tolerance
-from footopt.walk.batch import at_once
 from footopt.walk.ladder import TOP, Found, Rung, climb, five, plates_at, probes
-from footopt.walk.scene import Scene
+from footopt.walk.loop import at_once
+from footopt.walk.scene import Scene, Walker
 from footopt.walk.simulator import Simulator, Walked
-from footopt.walk.walker import Walker
 
 HALVINGS = 6  # of a model's time step, at most, for an accuracy
 LADDER = 500.0  # walks of a search in whose time its numbers are found at most: half of one of 1,000
@@ -58,7 +57,7 @@ class Robot(Simulator):
     duration : float, s, optional
         Of a walk; by default the controller's.
     after : float, s, optional
-        From when on peaks of power and falls of speed count; by default from the controller's first step on.
+        From when on peaks of power and falls of speed count; by default from its gait's first heel strike on.
     key : str, optional
         Name of the keyframe that it starts from; by default the model's own places, with the joints of a
         `Tracker` at the angles of its beginning. It starts where sand carries its weight.
@@ -82,12 +81,13 @@ class Robot(Simulator):
     controller: Any = field(default_factory=Tracker)
     sand: Sand = field(default_factory=lambda: Sand.named("hard"))
     effects: Sequence[Effect] = ()
-    duration: float | None = None
-    after: float | None = None
+    duration: Any = None
+    after: Any = None
     key: str | None = None
     lowest: float = 0.6
     tilt: float = 1.0
     density: float | None = None
+    holds: ClassVar[bool] = True  # bristles are always on
 
     def __post_init__(self) -> None:
         put, feet = object.__setattr__, (self.feet,) if isinstance(self.feet, str) else tuple(self.feet)
@@ -102,13 +102,14 @@ class Robot(Simulator):
             known = callable(self.controller)
             check(known, "robot.controller", self.controller, "a controller or a function")
             put(self, "controller", FunctionController(self.controller))
-        for name in ("duration", "after"):
-            if getattr(self, name) is None:
-                put(self, name, getattr(self.controller, name))
+        if self.duration is None:
+            put(self, "duration", self.controller.duration)
+        if self.after is None:
+            put(self, "after", self.gait.heel_strike if self.gait else 0.0)
         known = self.duration is not None and 0.0 < self.duration <= 1e5
         check(known, "robot.duration", self.duration, "a time > 0 and <= 1e5, in s")
         allowed = f"a time >= 0 and < {self.duration:g}, robot.duration, in s"
-        check(0.0 <= self._after < self._end, "robot.after", self.after, allowed)
+        check(0.0 <= self.after < self.duration, "robot.after", self.after, allowed)
         check(0.0 < self.lowest < 1.0, "robot.lowest", self.lowest, "a number between 0 and 1")
         check(0.0 < self.tilt <= math.pi, "robot.tilt", self.tilt, "an angle > 0 and <= pi, in rad")
         known = self.density is None or 0.0 < self.density <= 1e5
@@ -138,12 +139,7 @@ class Robot(Simulator):
     @property
     def title(self) -> str:
         """Where it walks."""
-        return f"{self.sand.name} sand, {self.body}"
-
-    @property
-    def body(self) -> str:
-        """It in a few words."""
-        return f"a robot of {self.weight / self.g:.3g} kg"
+        return f"{self.sand.name} sand, a robot of {self.weight / self.g:.3g} kg"
 
     @property
     def planar(self) -> Scene:
@@ -160,7 +156,7 @@ class Robot(Simulator):
         """It with another gait that it tracks; times that are not its own are those of the gait."""
         old, new = self.controller, replace(self.controller, gait=gait)
         duration = None if self.duration == old.duration else self.duration
-        after = None if self.after == old.after else self.after
+        after = None if self.after == old.gait.heel_strike else self.after
         return replace(self, controller=new, duration=duration, after=after)
 
     @property
@@ -171,17 +167,12 @@ class Robot(Simulator):
     @property
     def strikes(self) -> Array:
         """Heel strikes of a gait that it tracks, s."""
-        return self.gait.heel_strikes(self._end) if self.gait else np.empty(0)
+        return self.gait.heel_strikes(self.duration) if self.gait else np.empty(0)
 
     @property
     def stride(self) -> float:
         """Duration of a stride of that gait, s; of a walk where there is none."""
-        return self.gait.period if self.gait else self._end
-
-    @property
-    def holds(self) -> bool:
-        """Whether its sand holds what stands."""
-        return True
+        return self.gait.period if self.gait else self.duration
 
     @property
     def about(self) -> str:
@@ -203,14 +194,9 @@ class Robot(Simulator):
             "sole_density_kg_m3": self.density,
         }
 
-    def plates_of(self, foot: Foot, count: int) -> Plates:
-        """Plates along a sole, each of which is two on its two lines."""
-        return foot.plates(count, directed=True, fill=reshaping(tuple(self.effects)))
-
     def own(self) -> tuple[Any, ...]:
-        """The controller, if it is a function, and laws of effects."""
-        laws = [effect.law for effect in self.effects if effect.law is not None]
-        return (*([] if self._told else [self.controller.function]), *map(type, laws))
+        """The controller, if it is a function."""
+        return () if self._told else (self.controller.function,)
 
     @quiet()
     def need_heel_strike(self) -> None:
@@ -221,7 +207,7 @@ class Robot(Simulator):
         check_axes(self)
         dt, upright = self.model.compiled.opt.timestep, replace(self, lowest=1e-9, tilt=math.pi)
         try:
-            found = walk(upright, None, Accuracy(dt=dt), min(200 * dt, self._end))
+            found = walk(upright, None, Accuracy(dt=dt), min(200 * dt, self.duration))
         except Exception as error:
             if self._told:
                 raise
@@ -230,17 +216,27 @@ class Robot(Simulator):
         why = "a model that is stable in the air"
         check(found.reason != "diverged", "robot.model", self.title, why, "Try a shorter timestep.")
 
-    @property
-    def _end(self) -> float:
-        return float(self.duration or 0.0)
-
-    @property
-    def _after(self) -> float:
-        return float(self.after or 0.0)
-
     def ladder(self, of: Tolerance, soles: Waypoints | tuple[Foot, ...]) -> tuple[Accuracy, Found]:
         """The time step, halved from the model's, and the plates that meet a tolerance (`walk.ladder`)."""
-        return _ladder(replace(of, name="", refinements=0), self, soles, of.refinements)
+        own = float(self.model.compiled.opt.timestep)
+        for _ in range(0 if of.dt else HALVINGS):  # a step at which soles diverge tells nothing of errors
+            if np.sum(_probed(self, soles, own, plates_at(Rung())).reasons == "diverged") < 2:
+                break
+            own /= 2.0
+
+        def at(rung: Rung) -> Accuracy:
+            return Accuracy(dt=of.dt or own / 2**rung.time, plates=of.plates or plates_at(rung))
+
+        def walked(rung: Rung) -> tuple[Array, float]:
+            numbers = at(rung)
+            found = _probed(self, soles, numbers.dt, numbers.plates)
+            return five(self, found), (STEP_COST + numbers.plates) / numbers.dt
+
+        top = Rung(0 if of.dt else HALVINGS, 0 if of.plates else TOP.plates)
+        found = climb(walked, top, of.error, LADDER)
+        numbers = at(found.rung)
+        finer = 2**of.refinements
+        return replace(numbers, dt=numbers.dt / finer, plates=numbers.plates * finer), found
 
     @quiet()
     def walk(
@@ -248,7 +244,7 @@ class Robot(Simulator):
     ) -> Walked:
         """Walk with some feet."""
         workers = min(at_once(threads), len(feet)) if self._told else 1
-        one = partial(walk, self, accuracy=accuracy, end=self._end)
+        one = partial(walk, self, accuracy=accuracy, end=self.duration)
         with ThreadPoolExecutor(workers) if workers > 1 else nullcontext() as pool:
             found = list((pool.map if pool else map)(one, feet))
         raw = np.array([[each.totals.get(name, np.nan) for name in self.quantities] for each in found])
@@ -260,31 +256,7 @@ class Robot(Simulator):
     def trace(self, foot: Foot, accuracy: Accuracy) -> RobotWalk:
         """Walk with one foot, keeping full traces."""
         check_axes(self)
-        return traced(self, foot, accuracy, walk(self, foot, accuracy, self._end, traced=True))
-
-
-@lru_cache(maxsize=64)
-def _ladder(of: Tolerance, robot: Robot, soles: Any, refinements: int) -> tuple[Accuracy, Found]:
-    """The end of the ladder of time steps and plates for a space or some feet."""
-    own = float(robot.model.compiled.opt.timestep)
-    for _ in range(0 if of.dt else HALVINGS):  # a step at which soles diverge tells nothing of errors
-        if np.sum(_probed(robot, soles, own, plates_at(Rung())).reasons == "diverged") < 2:
-            break
-        own /= 2.0
-
-    def at(rung: Rung) -> Accuracy:
-        return Accuracy(dt=of.dt or own / 2**rung.time, plates=of.plates or plates_at(rung))
-
-    def walked(rung: Rung) -> tuple[Array, float]:
-        numbers = at(rung)
-        found = _probed(robot, soles, numbers.dt, numbers.plates)
-        return five(robot, found), (STEP_COST + numbers.plates) / numbers.dt
-
-    top = Rung(0 if of.dt else HALVINGS, 0 if of.plates else TOP.plates)
-    found = climb(walked, top, of.error, LADDER)
-    numbers = at(found.rung)
-    finer = 2**refinements
-    return replace(numbers, dt=numbers.dt / finer, plates=numbers.plates * finer), found
+        return traced(self, foot, accuracy, walk(self, foot, accuracy, self.duration, traced=True))
 
 
 @lru_cache(maxsize=64)

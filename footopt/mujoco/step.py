@@ -41,9 +41,7 @@ BODY = np.dtype(
         ("row", np.int64),  # in MuJoCo
         ("first", np.int64),  # of its faces
         ("last", np.int64),  # one past the last of them
-        ("mesh", np.int64),  # 1 for a mesh, 0 for a sole
-        ("law", float, 9),  # N/m^3: `sand.law.Law`, or xi
-        ("friction", float),  # of a mesh's surface
+        ("law", float, 9),  # N/m^3: `sand.law.Law`
         ("reach", float),  # of its farthest face, m
         ("near", np.int64),  # 1 if it may touch sand within the step
         ("height", float),  # of its origin in the middle of the step, m

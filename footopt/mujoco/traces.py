@@ -1,21 +1,26 @@
-"""The walk of a robot with its traces, as pictures and pages take it."""
+"""The walk of a robot with its traces, and pictures by MuJoCo's renderer where EGL or OSMesa is there."""
 
+import copy
 import math
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
-from typing import Any
+from importlib import import_module
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from footopt.arrays import Array
 from footopt.errors import needed
-from footopt.foot import Foot, Plates
-from footopt.gait.gait import Pose
-from footopt.mujoco.camera import camera
-from footopt.mujoco.walking import AXES, Found, ankles
+from footopt.foot import Foot
+from footopt.gait import Pose
+from footopt.mujoco.walking import AXES, Found
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.results import Walk
 from footopt.walk.scene import Scene
+
+WIDE, ASIDE = 800, 90.0  # pixels; degrees: along y, with x to the right
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -72,11 +77,6 @@ class RobotWalk(Walk):
         each = [np.interp(np.asarray(t, float), self.t, column) for column in columns]
         return np.stack(each, axis=-1).reshape(-1, *traced.shape[1:])
 
-    @property
-    def sole(self) -> Plates:
-        plates: Plates = self.scene.plates_of(self.foot, self.accuracy.plates)
-        return plates
-
 
 def traced(robot: Any, foot: Foot, accuracy: Accuracy, found: Found) -> RobotWalk:
     """The walk of a robot from what it left."""
@@ -116,7 +116,8 @@ def poses(robot: Any, dt: float, states: Array) -> tuple[Array, Array]:
         mujoco.mj_setState(model, data, state, mujoco.mjtState.mjSTATE_FULLPHYSICS)
         mujoco.mj_kinematics(model, data)
         joints[n] = data.xpos[rows][..., AXES]
-        joints[n, :, -1] = ankles(robot, data, feet)[:, AXES]
+        turn = np.einsum("fij,fj->fi", data.xmat[feet].reshape(-1, 3, 3), robot.model.ankles)
+        joints[n, :, -1] = (data.xpos[feet] + turn)[:, AXES]
         turned[n] = np.arctan2(data.xmat[rows[:, -1], 6], data.xmat[rows[:, -1], 0])
     return joints, turned
 
@@ -126,3 +127,56 @@ def bristles_in_world(h: Array, turned: Array, plates: int) -> NDArray[np.float3
     x, z = (h[:, :, axis].reshape(*h.shape[:2], -1, plates).mean(axis=2) for axis in AXES)
     c, s = np.cos(turned)[..., None], np.sin(turned)[..., None]
     return np.stack([c * x - s * z, s * x + c * z], axis=-1).astype(np.float32)
+
+
+class Camera(NamedTuple):
+    """Pictures of a robot: nothing is behind it, nor its feet, in whose place soles are drawn."""
+
+    picture: Callable[..., Any]  # from a sample, and left, right, low and high of a view, m, to an image
+    top: float  # of the robot at the start, m
+
+
+@contextmanager
+def camera(robot: Any, states: Any) -> Iterator[Camera | None]:
+    """A `Camera` for the states of a robot's walk; None without GL."""
+    mujoco = needed("mujoco", "fo.mujoco.Robot", "mujoco")
+    gl: Any = None
+    for name in ("egl", "osmesa"):
+        with suppress(Exception):  # of PyOpenGL, in many forms, where a library is missing
+            gl = gl or import_module(f"mujoco.{name}").GLContext(WIDE, WIDE)
+    if gl is None:
+        yield None
+        return
+    model, option, eye = copy.copy(robot.model.compiled), mujoco.MjvOption(), mujoco.MjvCamera()
+    bare = [i for i in range(model.ngeom) if model.body(model.geom_bodyid[i]).name in ("world", *robot.feet)]
+    model.geom_rgba[bare, 3], model.geom_matid[bare] = 0.0, -1
+    model.vis.headlight.ambient[:], model.vis.headlight.diffuse[:] = 0.4, 0.6
+    model.vis.global_.offwidth = model.vis.global_.offheight = WIDE
+    eye.orthographic, eye.azimuth, eye.elevation, eye.distance = 1, ASIDE, 0.0, 2.0 * model.stat.extent
+    data, scene = mujoco.MjData(model), mujoco.MjvScene(model, maxgeom=10_000)
+    gl.make_current()
+    context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
+    mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, context)
+
+    def place(sample: int) -> None:
+        mujoco.mj_setState(model, data, states[sample], mujoco.mjtState.mjSTATE_FULLPHYSICS)
+        mujoco.mj_forward(model, data)
+
+    def picture(sample: int, left: float, right: float, low: float, high: float) -> Any:
+        place(sample)
+        tall = min(round(WIDE * (high - low) / (right - left)), WIDE)
+        colours, depth = np.empty((tall, WIDE, 3), np.uint8), np.empty((tall, WIDE), np.float32)
+        model.vis.global_.fovy, eye.lookat[:] = high - low, (0.5 * (left + right), 0.0, 0.5 * (low + high))
+        mujoco.mjv_updateScene(model, data, option, None, eye, mujoco.mjtCatBit.mjCAT_ALL, scene)
+        view = mujoco.MjrRect(0, 0, WIDE, tall)
+        mujoco.mjr_render(view, scene, context)
+        mujoco.mjr_readPixels(colours, depth, view, context)
+        return np.dstack([colours, 255 * (depth < 1.0).astype(np.uint8)])[::-1]
+
+    try:
+        place(0)
+        top = np.delete(data.geom_xpos[:, 2] + model.geom_rbound, bare).max(initial=0.0)
+        yield Camera(picture, float(top))
+    finally:
+        context.free()
+        gl.free()

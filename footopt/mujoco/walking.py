@@ -15,7 +15,7 @@ from footopt.errors import SettingError, check, needed
 from footopt.foot import Foot
 from footopt.mujoco.attaching import Contact
 from footopt.mujoco.controllers import Tracker
-from footopt.mujoco.model import ACTUATOR, COM, UPRIGHT, VELOCITY, Model
+from footopt.mujoco.model import Model
 from footopt.mujoco.native import library
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.objectives import FIVE
@@ -25,6 +25,7 @@ MEASURED = (*FIVE, "joint_work", "torque", "survival", "maximum_sinkage", "peak_
 HIGH = 100.0  # m, above the sand, for a walk in the air
 SQUARE = 0.5  # cosine of how far the axes of a foot may be from forward and up at the start
 AXES = [0, 2]  # x and z of three
+RK4 = 1  # MuJoCo's number of its second explicit integrator; those after it are implicit
 
 
 class Found(NamedTuple):
@@ -96,7 +97,7 @@ def stepped(robot: Any, model: Any, data: Any, t: Array) -> tuple[Array, Array]:
         from mujoco import rollout
 
         mujoco.mj_getState(model, data, states[0], kind)
-        told, first = commands_at(robot.controller, robot.model, t.tobytes()), states[:1].copy()
+        told, first = told_at(robot.controller, robot.model, t.tobytes())[0], states[:1].copy()
         rollout.rollout(model, data, first, told[None], state=states[None], sensordata=sensed[None])
         return states, sensed
     period, due = robot.model.compiled.opt.timestep, 0
@@ -117,8 +118,8 @@ def posed(robot: Any, model: Any, data: Any) -> Any:
     if robot.key is not None:
         mujoco.mj_resetDataKeyframe(model, data, model.key(robot.key).id)
     elif isinstance(robot.controller, Tracker):
-        for place, angle in _first_angles(robot.controller, robot.model).items():
-            data.qpos[place] = angle
+        for act, angle in told_at(robot.controller, robot.model, np.zeros(1).tobytes())[1].items():
+            data.qpos[model.jnt_qposadr[model.actuator_trnid[act, 0]]] = angle[0]
     mujoco.mj_kinematics(model, data)
     return data
 
@@ -141,38 +142,20 @@ def soles_of(robot: Any, foot: Foot) -> dict[str, Foot]:
     return {name: soles[place] for name, place in zip(robot.feet, places, strict=True)}
 
 
-def ankles(robot: Any, data: Any, rows: list[int]) -> Array:
-    """Places of the ankles of feet, bodies of some rows, (feet, 3), m."""
-    turned = np.einsum("fij,fj->fi", data.xmat[rows].reshape(-1, 3, 3), robot.model.ankles)
-    found: Array = data.xpos[rows] + turned
-    return found
-
-
 @lru_cache(maxsize=32)
-def _first_angles(controller: Tracker, model: Model) -> dict[int, float]:
-    """Where the joints of a tracked gait begin, rad, by their places in qpos."""
-    angles = {name: float(controller.angles(name, np.zeros(1))[0][0]) for name in controller.joints}
-    return {int(model.compiled.joint(name).qposadr[0]): angle for name, angle in angles.items()}
-
-
-@lru_cache(maxsize=32)
-def commands_at(controller: Any, model: Model, t: bytes) -> Array:
-    """Commands at times, and what each actuator should reach."""
-    told: Array = controller.commands(model.compiled, np.frombuffer(t))
-    return told
-
-
-@lru_cache(maxsize=32)
-def targets_at(controller: Any, model: Model, t: bytes) -> dict[int, Array]:
-    found: dict[int, Array] = controller.targets(model.compiled, np.frombuffer(t))
-    return found
+def told_at(controller: Any, model: Model, t: bytes) -> tuple[Array, dict[int, Array]]:
+    """Commands at times, and where a gait's joints should then be, by actuator."""
+    of, times = model.compiled, np.frombuffer(t)
+    wanted = controller.targets(of, times) if isinstance(controller, Tracker) else {}
+    return controller.commands(of, times), wanted
 
 
 def judged(robot: Any, t: Array, sensed: Array, sand: Array, states: Array, counts: dict[str, int]) -> Found:
     """Objectives of a walk from what was measured at the beginnings of its steps, and at its end."""
-    model, steps = robot.model, len(t) - 1
-    com, velocity, upright = (sensed[:, model.columns[name]] for name in (COM, VELOCITY, UPRIGHT))
-    force, speed, place = (sensed[:, model.columns[name]] for name in ACTUATOR)
+    model, m, steps = robot.model, robot.model.compiled, len(t) - 1
+    own = sensed[:, sensed.shape[1] - 9 - 3 * m.nu :]  # sensors that `Model.read` has added last
+    com, velocity, upright = np.split(own[:, :9], 3, axis=1)
+    force, speed, place = (own[:, 9 + i :: 3] for i in range(3))
     anew = np.abs(states[:, 0] - t - t[1]) > 0.5 * t[1]  # MuJoCo begins anew where it is lost
     lost = ~np.isfinite(com).all(axis=1) | ~np.isfinite(states).all(axis=1) | anew
     reason, end = "", steps
@@ -186,9 +169,10 @@ def judged(robot: Any, t: Array, sensed: Array, sand: Array, states: Array, coun
     if not reason and com[-1, 0] <= com[0, 0]:
         reason = "backward"
     if not reason:
-        late = t >= robot._after - 1e-9
+        late = t >= robot.after - 1e-9
         # force of a step: an implicit integrator takes the damping of servos at its end
-        mean = force[:-1] + model.implicit_damping() * np.diff(speed, axis=0)
+        damping = np.where(m.actuator_biastype == 1, m.actuator_biasprm[:, 2], 0.0)
+        mean = force[:-1] + (m.opt.integrator > RK4) * damping * np.diff(speed, axis=0)
         power = np.maximum(mean * 0.5 * (speed[:-1] + speed[1:]), 0.0).sum(axis=1)
         v = velocity[late, 0]
         totals |= {
@@ -202,8 +186,8 @@ def judged(robot: Any, t: Array, sensed: Array, sand: Array, states: Array, coun
             "maximum_sinkage": sand[..., 5].max(),
             "peak_vertical_force": sand[..., 2].sum(axis=1).max(),
         }
-        if hasattr(robot.controller, "targets"):
-            wanted = targets_at(robot.controller, model, t.tobytes())
+        if isinstance(robot.controller, Tracker):
+            wanted = told_at(robot.controller, model, t.tobytes())[1]
             missed = [place[:, act] - target for act, target in wanted.items()]
             totals["tracking_error"] = np.sqrt(np.mean(np.square(missed))) if missed else 0.0
     found = {name: float(value) for name, value in totals.items()}

@@ -25,7 +25,7 @@ from footopt.foot.waypoints import heights_text
 from footopt.report.numbers import TINY, change, number, percent, quantity, title
 from footopt.sand.law import EARTH
 from footopt.walk import MEASURES, Simulator, gain_shares
-from footopt.walk.validity import Diagnostic
+from footopt.walk.checks import Diagnostic
 
 if TYPE_CHECKING:
     from footopt.design import Confirmation, SearchResult
@@ -149,7 +149,7 @@ def describe_scene(scene: Simulator) -> str:
     """A scene in a few words: its sand, its gravity where it is not the Earth's, and its effects."""
     if scene.sand is None:
         return scene.title
-    words = [f"{scene.sand.name} sand (zeta {scene.sand.zeta:g})", *filter(None, [scene.body])]
+    words = [f"{scene.sand.name} sand (zeta {scene.sand.zeta:g})"]
     if abs((g := scene.g) - EARTH) > 1e-9:
         words.append(f"gravity {g:g} m/s^2 (sand {g / EARTH:.3g} times as strong as on the Earth)")
     for effect in scene.effects:

@@ -2,7 +2,6 @@
 
 from footopt.sand import law as stress
 from footopt.sand.fit import fit_stress_map
-from footopt.sand.law import GENERIC, StressMap, alpha
-from footopt.sand.media import MEDIA, Sand
+from footopt.sand.law import GENERIC, MEDIA, Sand, StressMap, alpha
 
 __all__ = ["GENERIC", "MEDIA", "Sand", "StressMap", "alpha", "fit_stress_map", "stress"]

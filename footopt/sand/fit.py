@@ -27,7 +27,16 @@ def fit_stress_map(
     (C11, C01, Cm11, D10), error_x = _least_squares(terms_x, alpha_x)
     (A00, A10, B11, B01, Bm11), error_z = _least_squares(terms_z, alpha_z)
     stresses = np.stack([alpha_x, alpha_z])
-    _check_units(beta, gamma, stresses)
+    steepest, widest, largest = (abs(values).max() for values in (beta, gamma, stresses))
+    if steepest > 180 or widest > 360:
+        raise Unusable(f"beta reaches {steepest:.4g} and gamma {widest:.4g} deg. Check the columns.")
+    if widest <= 2 * np.pi:
+        raise Unusable(f"gamma reaches {widest:.4g} deg only. Angles must be in degrees.")
+    if not STRESSES[0] <= largest <= STRESSES[1]:
+        raise Unusable(
+            f"its largest stress is {largest:.4g} N/cm^3, and that of sands {STRESSES[0]:g} to "
+            f"{STRESSES[1]:g}. Stresses must be per depth, in N/cm^3 (1 N/cm^3 = 1e6 N/m^3)."
+        )
     if max(error_x, error_z) > MISFIT:
         raise Unusable(
             f"no stress map comes near it: the misfit is {100 * error_x:.0f} % of alpha_x and "
@@ -57,17 +66,3 @@ def _least_squares(terms: list[Array], target: Array) -> tuple[list[float], floa
         raise Unusable(f"{len(target)} rows do not determine it: give more combinations of beta and gamma.")
     misfit, scale = (float(np.sqrt(np.mean(v**2))) for v in (design @ solution - target, target))
     return solution.tolist(), misfit / scale if scale > 0 else misfit
-
-
-def _check_units(beta: Array, gamma: Array, stresses: Array) -> None:
-    """Raise unless angles can be degrees and stresses N/cm^3."""
-    b, g, largest = (abs(values).max() for values in (beta, gamma, stresses))
-    if b > 180 or g > 360:
-        raise Unusable(f"beta reaches {b:.4g} and gamma {g:.4g} deg. Check the columns.")
-    if g <= 2 * np.pi:
-        raise Unusable(f"gamma reaches {g:.4g} deg only. Angles must be in degrees.")
-    if not STRESSES[0] <= largest <= STRESSES[1]:
-        raise Unusable(
-            f"its largest stress is {largest:.4g} N/cm^3, and that of sands {STRESSES[0]:g} to "
-            f"{STRESSES[1]:g}. Stresses must be per depth, in N/cm^3 (1 N/cm^3 = 1e6 N/m^3)."
-        )

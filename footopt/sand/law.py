@@ -1,4 +1,4 @@
-"""Resistive force theory (RFT): the stress on one plate, in its angles.
+"""Resistive force theory (RFT): the stress on one plate, in its angles; sands by name.
 
 A plate with world angle beta (counter-clockwise, rad) that moves in the direction gamma
 (rad, positive downwards: gamma = atan2(-v_z, v_x)) at depth |z| below the surface feels
@@ -17,13 +17,13 @@ anisotropic dry friction with a bias, f / (zeta |z| dA) = a - M h (`footopt.walk
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from footopt.arrays import Array
-from footopt.errors import check
+from footopt.errors import check, is_number
 
 LARGEST = 1e4  # of a coefficient, N/cm^3; concrete has less
 PER_CM3 = 1e6  # N/cm^3 in N/m^3
@@ -130,3 +130,56 @@ def power_taken(beta: ArrayLike, gamma: ArrayLike, stress_map: StressMap = GENER
     """The power that the sand takes per depth, area and speed, N/m^3 (for zeta = 1); as of `alpha`."""
     ax, az = alpha(beta, gamma, stress_map)
     return np.asarray(ax * np.cos(gamma) + az * np.sin(gamma))
+
+
+#: zeta of sands by name: the paper's three, and media measured in the literature
+#: (Agarwal et al., J. Terramechanics 85, 2019; Treers, Cao & Stuart, IEEE RA-L 6, 2021).
+MEDIA: dict[str, float] = {
+    "soft": 0.2,
+    "regular": 1.0,
+    "hard": 5.0,
+    "poppy_loose": 0.35,
+    "poppy_close": 0.55,
+    "glass_beads": 0.33,
+    "medium_sand": 2.02,
+    "mars_simulant": 3.05,
+}
+
+
+@dataclass(frozen=True)
+class Sand:
+    """A dry granular medium: a stress map and its scale.
+
+    Parameters
+    ----------
+    zeta : float > 0
+        Scale of the map (1 is the generic material).
+    stress_map : StressMap
+        Nine coefficients, N/cm^3.
+    name : str
+        For tables and legends.
+    fit_error : (x, z), optional
+        Rms misfit of a fitted table over the table's own rms, per component; None if the map was not
+        fitted.
+
+    Raises
+    ------
+    SettingError
+        zeta is not a number from 1e-6 to 1e6.
+    """
+
+    zeta: float = 1.0
+    stress_map: StressMap = GENERIC
+    name: str = "custom"
+    fit_error: tuple[float, float] | None = None
+
+    def __post_init__(self) -> None:
+        allowed = "a number > 0, from 1e-6 to 1e6 (soft sand 0.2, the generic material 1, hard sand 5)"
+        good = is_number(self.zeta) and 1e-6 <= self.zeta <= 1e6
+        check(good, "sand.zeta", self.zeta, allowed, "Try sand=regular or sand.zeta=1.")
+
+    @classmethod
+    def named(cls, name: str) -> Self:
+        """A sand of `MEDIA` by its name."""
+        check(name in MEDIA, "sand", name, f"one of {', '.join(MEDIA)}", "Or give sand.zeta.")
+        return cls(zeta=MEDIA[name], name=name)

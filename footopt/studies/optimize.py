@@ -34,7 +34,7 @@ from footopt.studies.runs import Study
 from footopt.studies.simulate import check_files, judged, write_film, write_walk
 from footopt.walk import MEASURES, Accuracy, Walk, gain_shares, simulate
 from footopt.walk.ladder import SHARE, ladder, numerics
-from footopt.walk.validity import Diagnostic
+from footopt.walk.checks import Diagnostic
 
 LEADERS = 4  # best soles of an enumerated space that are drawn in one frame
 

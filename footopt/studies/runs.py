@@ -40,7 +40,7 @@ from footopt.studies.settings import (
 )
 from footopt.walk import Accuracy, Scene, Simulator, Walk, simulate
 from footopt.walk.accuracy import AnyAccuracy, confirming
-from footopt.walk.batch import at_once
+from footopt.walk.loop import at_once
 
 __version__ = version("footopt")
 

@@ -18,9 +18,9 @@ from footopt.studies.build import make_space, make_strides
 from footopt.studies.effects import choose_effects
 from footopt.studies.runs import Study, foot_of
 from footopt.walk import Walk, simulate
-from footopt.walk.phases import stance
+from footopt.walk.checks import Diagnostic, diagnose
 from footopt.walk.resolution import error_of, resolution
-from footopt.walk.validity import Diagnostic, diagnose
+from footopt.walk.results import stance
 
 
 def run(study: Study) -> Any:

@@ -22,7 +22,7 @@ from footopt.studies.runs import Study
 from footopt.studies.stability_cases import CASES, Case
 from footopt.walk import FIVE, STEPPERS, Accuracy, Scene, Walk, simulate
 from footopt.walk.accuracy import AnyAccuracy
-from footopt.walk.balances import energy_gap, power_from_sand, sinking_speed, smoothing_power
+from footopt.walk.checks import energy_gap, power_from_sand, sinking_speed, smoothing_power
 from footopt.walk.ladder import numerics
 from footopt.walk.objectives import sizes
 from footopt.walk.resolution import BEYOND, CAUSES, PROMISE, finer

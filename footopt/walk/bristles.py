@@ -31,14 +31,6 @@ class Bristles(NamedTuple):
     h_next: Any  # at its end
 
 
-class StageBristles(NamedTuple):
-    """The bristles that an implicit stage bends."""
-
-    before: Any
-    after: Any
-    share: float  # of the way from before to its end that after is to be; 1 is the end
-
-
 @inlined
 def turning_speed_of(length, world, c):
     """The speed over which a plate's direction turns, m/s; with bristles, after a time c, s."""
@@ -72,16 +64,19 @@ def record(trace, row, rows, h):
 
 
 @unless_none
-def bend(before, world, sole, poses, hip, c, stage):
+def bend(before, after, part, world, sole, poses, hip, c):
     """`update_bristles`, where there are bristles before a stage."""
-    update_bristles(world, sole, poses, hip, c, stage)
+    update_bristles(before, after, part, world, sole, poses, hip, c)
 
 
 @inlined_fast
-def update_bristles(world, sole, poses, hip, c, stage):
-    """Bend the bristles of both feet over a stage of a time c, s; hip: its `Motion` at the stage's end."""
+def update_bristles(before, after, part, world, sole, poses, hip, c):
+    """Bend the bristles of both feet over a stage of a time c, s, from those before it to those after it.
+
+    part: of the way from before to its end that after is to be; 1 is the end. hip: its `Motion` at the end.
+    """
     turning_speed = turning_speed_of(world.bristle_length, world, c)
-    after, share = stage.after, stage.share * c / (c + world.retardation)
+    share = part * c / (c + world.retardation)
     for foot in range(2):
         ankle = in_world(ankle_of(poses, foot), hip)
         first, last = submerged(sole, ankle)
@@ -89,11 +84,11 @@ def update_bristles(world, sole, poses, hip, c, stage):
             after[foot, 0, i] = after[foot, 1, i] = 0.0
         for i in range(last, sole.plates.shape[1]):
             after[foot, 0, i] = after[foot, 1, i] = 0.0
-        part = plates_between(sole, None, first, last)
-        h0 = bristles_between(stage.before, foot, first, last)
+        plates = plates_between(sole, None, first, last)
+        h0 = bristles_between(before, foot, first, last)
         hx, hz = bristles_between(after, foot, first, last)
-        for i in range(len(part.x)):
-            motion = kinematics(ankle, part.x[i], part.z[i])
+        for i in range(len(plates.x)):
+            motion = kinematics(ankle, plates.x[i], plates.z[i])
             h = direction(motion, turning_speed, 0.0, h0, i)
             in_sand = 1.0 if motion.z < 0.0 else 0.0
             x, z = h0[0][i] + share * (h.x - h0[0][i]), h0[1][i] + share * (h.z - h0[1][i])

@@ -1,4 +1,4 @@
-"""The compiled contact: RFT on every plate of both feet, with its Jacobian.
+"""The compiled contact: RFT on every plate of both feet, with its Jacobian, and where it carries the walker.
 
 The paper's eq. 4 places and moves each plate (`kinematics`), eq. 1 gives its force (`resistance`), effects
 change it (`plate_force`), eq. 2 adds the plates of a foot (`foot_force`). The law is the affine form of
@@ -16,26 +16,21 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from footopt.compiled import inlined, inlined_fast, unless_none
-from footopt.effects import Laws
 from footopt.effects import base as effects
+from footopt.effects.base import Laws
 from footopt.effects.dual import combined, dual, lift, placed, positive, value
-from footopt.walk.state import (
-    LANES,
-    Contact,
-    Force,
-    Motion,
-    ankle_of,
-    in_world,
-    no_contact,
-    no_force,
-    plates_between,
-)
+from footopt.walk.metrics import sinkage_of
+from footopt.walk.state import ALOFT, LANES, Ankle, Contact, Force, Motion, ankle_of, in_world, plates_between
 
 # widths of what is smoothed
 TURN = 0.25  # of a plate's direction: this share of the difference in speed along a plate that rotates
 EXPOSED = 0.5  # of a gate: this share of the same
 BENT = 0.75  # of a gate: this share of the angle by which the contour turns within a plate
 EDGE = 0.05  # n.h over which an effect's gate opens where bristles say how a plate moves
+
+# speeds at which the walker stands down at first
+DOWN = 2.0**-30  # m/s: too slow to change a pressure of an effect, and a power of two, which rounds nothing
+SLOW = 1e-9 * DOWN  # m/s: a turning speed that changes no such force; its square is one that `rsqrt` takes
 
 
 class Direction(NamedTuple):
@@ -201,7 +196,7 @@ def part_force(world, sole, first, last, ankle, turning_speed, stage, h0):
         part = plates_between(sole, acting.pushes, first, last)
         laws = Laws(acting.loads, None, acting.pushes)
         return foot_force(world.law, laws, part, ankle, turning_speed, stage, h0)
-    part = plates_between(sole, sole.directed, first, last)
+    part = plates_between(sole, True, first, last)
     return foot_force(world.law, acting, part, ankle, turning_speed, stage, h0)
 
 
@@ -238,20 +233,67 @@ def contact(world, sole, poses, hip, turning_speed, stage, h0, counts):
     (2 feet, 2, plates), or None. counts: a record of `COUNTS`, added to.
     """
     counts.evaluations += 1
-    left, right = no_force(), no_force()
+    left, right = ALOFT.left, ALOFT.right
     for foot in range(2):  # one copy of the loop over plates: what is written twice is compiled twice
         ankle = in_world(ankle_of(poses, foot), hip)
         first, last = submerged(sole, ankle)
-        force = no_force()
+        force = ALOFT.left
         if first < last:
             counts.plates += last - first
             bristles = bristles_between(h0, foot, first, last)
             force = part_force(world, sole, first, last, ankle, turning_speed, stage, bristles)
         left, right = right, force
-    return Contact(left, right, no_contact().turning)
+    return Contact(left, right, ALOFT.turning)
 
 
 @unless_none
 def bristles_between(h0, foot, first, last):
     """Those of some plates of one foot."""
     return h0[foot, 0, first:last], h0[foot, 1, first:last]
+
+
+@inlined
+def static_height(world, sole, poses, h0):
+    """Hip height (m) at which the limit forces of downward motion on both feet carry the weight.
+
+    Vertical balance only: eq. 2 with h = (0, -1) on every plate, and effects as at rest. NaN if even at the
+    surface the forces do not carry the weight. Found by the Illinois method, which takes a tenth of the
+    evaluations of bisection.
+
+    h0: bristles that are bent straight down, or None.
+    """
+    weight, low, high = world.mass * world.g, 0.0, sinkage_of(sole, poses, Motion(0.0, 0.0, 0.0, 0.0))
+    below, above, side = np.nan, -weight, 0
+    z = low
+    for _ in range(200):
+        missing = _limit_force(world, sole, poses, z, h0) - weight
+        if np.isnan(below):  # at the surface
+            if high <= low or missing < 0.0:
+                return np.nan
+            below = missing
+        elif abs(missing) <= 1e-13 * weight:
+            return z
+        elif missing > 0.0:
+            above *= 0.5 if side > 0 else 1.0  # the other end has stood twice: as if it were nearer
+            low, below, side = z, missing, 1
+        else:
+            below *= 0.5 if side < 0 else 1.0
+            high, above, side = z, missing, -1
+        z = (low * above - high * below) / (above - below)
+        if not low < z < high:
+            return z
+    return low
+
+
+@inlined
+def _limit_force(world, sole, poses, z, h0):
+    """Limit force of downward motion on both feet at the hip height z, N."""
+    total = 0.0
+    for foot in range(2):
+        still = ankle_of(poses, foot)
+        ankle = Ankle(still.x, z + still.z, 0.0, -DOWN, still.cos, still.sin, 0.0)
+        first, last = submerged(sole, ankle)
+        if first < last:
+            slow, bristles = SLOW if h0 is None else np.inf, bristles_between(h0, foot, first, last)
+            total += part_force(world, sole, first, last, ankle, slow, None, bristles).z
+    return total

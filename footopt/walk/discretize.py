@@ -1,6 +1,5 @@
 """From sand, walker, gait and feet to what the compiled loop takes: world, plates, times and poses."""
 
-from collections.abc import Sequence
 from functools import lru_cache, partial
 from itertools import pairwise
 from typing import NamedTuple
@@ -9,20 +8,13 @@ import numpy as np
 
 from footopt.arrays import Array
 from footopt.effects import base as effects
-from footopt.effects.base import Effect
 from footopt.errors import SettingError
 from footopt.foot import Plates
 from footopt.gait import Gait
-from footopt.sand import Sand
-from footopt.sand.law import EARTH, PER_CM3, Law
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.state import LANES, Sole, World, sole_at
 from footopt.walk.steppers import STEPPERS
-from footopt.walk.walker import Walker
 
-NEWTON = 0.03  # last step of Newton's method over the plates' mean speed; the forces' error is the square
-STICKING = 1e-3  # the same where bristles hold plates: the law is bent where they begin to slide
-DAMPING = 2.0  # of bristles: critical for a mass that they hold by its weight
 REST = 4  # longer steps while the walker stands
 HALVINGS = 3  # of a step under control, at most
 ROWS = 5_000_000  # poses of a walk that are tabulated, 112 bytes each; ten minutes take 2.6 million
@@ -40,30 +32,12 @@ class Path(NamedTuple):
     t_f: float  # s, the walk's end
 
 
-def world(sand: Sand, walker: Walker, acting: Sequence[Effect], creep: float) -> World:
-    """The constants of a walk; the sand's strength is in proportion to gravity (`Scene.zeta`)."""
-    zeta = sand.zeta * (walker.g / EARTH)
-    tilt, g = effects.gravity(acting, walker.g)
-    length = effects.bristle_length(acting)
-    # floats throughout: a whole number would be another type, and compile the loop again
-    return World(
-        law=Law(*(float(zeta * PER_CM3 * c) for c in sand.stress_map.law)),
-        mass=float(walker.mass),
-        g=float(g),
-        tilt=float(tilt),
-        creep=float(creep),
-        bristle_length=length,
-        retardation=0.0 if length is None else DAMPING * float(np.sqrt(length / g)),
-        tolerance=NEWTON if length is None else STICKING,
-        effects=effects.laws(acting),
-    )
-
-
 def compiled_once(world: World) -> World:
     """A world without gates as one that bypasses them: one compiled walk for every plausible law."""
     if world.effects.gates is not None:
         return world
-    return world._replace(effects=world.effects._replace(gates=effects.plausible_gates()), bypass=True)
+    gates = effects.laws([kind() for kind in effects.EFFECTS.values() if kind.plausible]).gates
+    return world._replace(effects=world.effects._replace(gates=gates), bypass=True)
 
 
 def time_grid(path: Path, accuracy: Accuracy) -> Array:
@@ -126,8 +100,8 @@ def soles(plates: Plates) -> Sole:
     """Plates of all designs in whole blocks (the last one repeated without area), each in a rectangle."""
     count = plates.x.shape[1]
     order = np.minimum(np.arange(count + -count % LANES), count - 1)
-    columns = [np.take(column, order, axis=1) for column in plates[:-1] if column is not None]
-    x, z, _, _, area, *tangent = columns
+    columns = [np.take(column, order, axis=1) for column in plates[:-1]]
+    x, z, _, _, area, *_ = columns
     area[:, count:] = 0.0
     blocks = [column.reshape(len(column), -1, LANES) for column in (x, z)]
     (low_x, low_z), (high_x, high_z) = ([q.min(axis=2) for q in blocks], [q.max(axis=2) for q in blocks])
@@ -136,8 +110,7 @@ def soles(plates: Plates) -> Sole:
         plates=np.stack(columns, axis=1),
         blocks=np.stack([*middle, *(0.5 * size for size in half)], axis=1),
         reach=np.sqrt(np.max(plates.x**2 + plates.z**2, axis=1)),
-        span=np.zeros(len(x)) if plates.span is None else plates.span,
-        directed=True if tangent else None,
+        span=plates.span,
     )
 
 

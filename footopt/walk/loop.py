@@ -1,30 +1,31 @@
-"""The walk: one compiled loop over the steps, for one foot with traces or for a whole population.
+"""The walk: one compiled loop over the steps, for batches of feet on threads.
 
-Both are the same compiled code, which asks once a step whether there is a trace to write.
+One foot with traces and a whole population are walked by the same code, which asks once a step whether there
+is a trace to write.
 """
 
+import math
+import os
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from footopt.arrays import Array
 from footopt.compiled import inlined
+from footopt.errors import check_whole
+from footopt.foot import Plates
+from footopt.walk import discretize
+from footopt.walk.accuracy import Accuracy
 from footopt.walk.bristles import Bristles, record, upright
-from footopt.walk.metrics import no_extremes, raw_of, sample_of, sinkage_of, step_error, updated
+from footopt.walk.contact import static_height
+from footopt.walk.discretize import Path
+from footopt.walk.metrics import COLUMNS, NO_EXTREMES, RAW, raw_of, sample_of, sinkage_of, step_error, updated
 from footopt.walk.own_code import compiled_for
-from footopt.walk.standing import static_height
-from footopt.walk.state import (
-    Integrals,
-    Motion,
-    Sole,
-    State,
-    World,
-    borrowed,
-    no_contact,
-    sole_at,
-    write,
-)
-from footopt.walk.steppers import acceleration, advance, explicit_contact
+from footopt.walk.state import ALOFT, COUNTS, Integrals, Motion, State, World, borrowed, sole_at, write
+from footopt.walk.steppers import STEPPERS, acceleration, advance, explicit_contact
 
 NEAR_PEAK = 0.9  # of the largest |P| of a foot so far: from there a step may hold the peak of the whole walk
 PEAK = 0.1  # of its control is what such a step is held to: the peak follows the speed's error at one instant
@@ -32,6 +33,11 @@ LENGTHEN = 0.1  # of what a step may err: below it the next is twice as long, wi
 FASTEST = 1e4  # m/s: beyond it a walk has diverged
 
 OK, SUNK, BACKWARD, DIVERGED = range(4)
+REASONS = ("", "sunk", "backward", "diverged")  # why a walk failed
+
+MAX_REPEATS = 3  # of a walk that diverged, each with a quarter of the time step before
+MOST_BYTES = 4e9  # that the bristles of a traced walk may take: of a longer one fewer samples are kept
+BLOCK = 16  # designs that a thread takes at a time
 
 
 class Course(NamedTuple):
@@ -64,7 +70,7 @@ def walk_designs(method, soles, world, course, out, begin, end):
 
     A stage that Newton's method does not solve (`newton.solve_stage`) leaves the step unsolved, which is then
     halved as long as it can be, as one with too large an error is. Then the walk has diverged, and
-    `batch.walk_batch` repeats it with a quarter of the time step, three times at most.
+    `walk_batch` repeats it with a quarter of the time step, three times at most.
     """
     times, control, poses = course.times, course.control, course.poses
     steps, finest = len(times) - 1, course.finest
@@ -72,7 +78,7 @@ def walk_designs(method, soles, world, course, out, begin, end):
         sole, count = sole_at(soles, d), out.counts[d]
         for column in range(out.raw.shape[1]):
             out.raw[d, column] = np.nan
-        state, extremes = _standing(world, sole, course.start, count), no_extremes()
+        state, extremes = _standing(world, sole, course.start, count), NO_EXTREMES
         status = OK if state.solved else SUNK
         if state.solved:
             _trace(out, 0, 0.0, state)
@@ -128,7 +134,7 @@ def _standing(world, sole, poses, count):
     z = static_height(world, sole, poses, h_n)
     hip, none = Motion(0.0, z, 0.0, 0.0), Integrals(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     if not np.isfinite(z):
-        return State(hip, no_contact(), none, bristles, False)
+        return State(hip, ALOFT, none, bristles, False)
     return State(hip, explicit_contact(world, sole, poses, hip, h_n, 0.0, count), none, bristles, True)
 
 
@@ -140,6 +146,77 @@ def _trace(out, row, t, state):
         record(out.bristles, row, len(out.trace), state.bristles.h_n)
 
 
-def walk_range(stepper: Any, soles: Sole, world: World, *rest: Any) -> None:
-    """`walk_designs`, compiled for the stepper and the effects of a scene."""
-    compiled_for(walk_designs, world.effects.all, stepper)(stepper, soles, world, *rest)
+def available_threads() -> int:
+    """How many processors this process may run on."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def at_once(given: int | None, setting: str = "engine.threads") -> int:
+    """How many threads or workers there are to be; None: as many as the process may run on."""
+    if given is None:
+        return available_threads()
+    check_whole(given, setting, 1, 4096, "Or null: all.")
+    return int(given)
+
+
+def walk_batch(
+    plates: Plates,
+    path: Path,
+    world: World,
+    accuracy: Accuracy,
+    sink: bool,
+    threads: int | None,
+    traced: bool = False,
+    repeat: int = 0,
+) -> Output:
+    """Run the compiled loop over a batch; with `sink` it follows the maximum sinkage.
+
+    Walks that diverge are repeated with a quarter of the time step, `MAX_REPEATS` times at most.
+    """
+    stepper, designs = STEPPERS[accuracy.stepper].parameters, len(plates.x)
+    times, pose0, tables = discretize.poses(path, accuracy)
+    soles, constants = discretize.soles(plates), discretize.compiled_once(world)
+    rows, padded = len(tables[-1]) + 1 if traced else 0, soles.plates.shape[2]
+    finest, control = len(tables) - 1, math.inf if accuracy.control is None else accuracy.control
+    # as many in any case: another number is compiled again
+    tables += tables[:1] * (discretize.HALVINGS - finest)
+    course = Course(times, pose0, tables, finest, control, path.gait.heel_strike, sink)
+    kept = 0 if world.bristle_length is None else min(rows, max(1, int(MOST_BYTES / (16 * padded))))
+    out = Output(
+        raw=np.empty((designs, len(RAW))),
+        status=np.empty(designs, np.int64),
+        counts=np.zeros(designs, COUNTS),
+        trace=np.full((rows, COLUMNS), np.nan),
+        bristles=None if world.bristle_length is None else np.zeros((kept, 2, 2, padded), np.float32),
+    )
+    walk = compiled_for(walk_designs, constants.effects.all, stepper)
+
+    def run(begin: int) -> None:
+        walk(stepper, soles, constants, course, out, begin, min(begin + BLOCK, designs))
+
+    blocks = range(0, designs, BLOCK)
+    workers = min(at_once(threads), len(blocks))
+    list((_pool(workers).map if workers > 1 else map)(run, blocks))
+    again = np.flatnonzero(out.status == DIVERGED)
+    if len(again) == 0 or repeat == MAX_REPEATS:
+        return out
+    finer = replace(accuracy, dt=accuracy.dt / 4)
+    if discretize.too_many_poses(path, finer):
+        return out
+    some = plates.take(again)
+    shorter = walk_batch(some, path, world, finer, sink, threads, traced, repeat + 1)
+    out.raw[again], out.status[again] = shorter.raw, shorter.status
+    for name in COUNTS.names or ():
+        out.counts[name][again] += shorter.counts[name]
+    out.counts["repeats"][again] += 1
+    return out._replace(trace=shorter.trace, bristles=shorter.bristles)
+
+
+@lru_cache
+def _pool(workers: int) -> ThreadPoolExecutor:
+    """Threads, which are kept: to start them takes as long as ten walks."""
+    return ThreadPoolExecutor(workers)
+
+
+if hasattr(os, "register_at_fork"):  # a child has none of its parent's threads
+    os.register_at_fork(after_in_child=_pool.cache_clear)

@@ -51,11 +51,8 @@ class Extremes(NamedTuple):
     times: Four  # s
 
 
-@inlined
-def no_extremes():
-    """The extremes of a walk that has not begun."""
-    none = Four(0.0, 0.0, 0.0, 0.0)
-    return Extremes(-np.inf, 0.0, 0.0, 0.0, 0.0, none, none, none)
+#: Of a walk that has not begun.
+NO_EXTREMES = Extremes(-np.inf, 0.0, 0.0, 0.0, 0.0, *[Four(0.0, 0.0, 0.0, 0.0)] * 3)
 
 
 @inlined

@@ -1,17 +1,25 @@
-"""One implicit stage of a step, solved for the hip's velocity by Newton's method."""
+"""One implicit stage of a step, solved for the hip's velocity by Newton's method.
+
+A foot may turn over within a stage. Then the direction of its motion is the unknown: far beyond the speed n
+over which a plate turns its direction over, the slope of h does not show the way back. There w takes the
+place of the velocity, v = n w / sqrt(1 - |w|^2): many n of velocity are less than 2 of w, and the gate of an
+effect, a jump in the velocity, opens over much of the unit disc.
+"""
 
 from typing import NamedTuple
 
 import numpy as np
 
 from footopt.compiled import inlined
-from footopt.walk.bristles import bend, turning_speed_of
-from footopt.walk.contact import contact
-from footopt.walk.state import NO_FOOT, Contact, Force, Motion, no_contact
-from footopt.walk.turning import begun, ended, half_way, stepped, turning_plate
+from footopt.walk.bristles import turning_speed_of
+from footopt.walk.contact import TURN, contact, kinematics
+from footopt.walk.state import ALOFT, NO_FOOT, Contact, Force, Motion, Turning, ankle_of, lowest
 
+NEWTON = 0.03  # last step of Newton's method over the plates' mean speed; the forces' error is the square
+STICKING = 1e-3  # the same where bristles hold plates: the law is bent where they begin to slide
 MAX_NEWTON = 100  # contact evaluations of one implicit stage
 HALVINGS = 16  # of a step of Newton's method, before the stage is left unsolved
+INSIDE = 0.999  # |w| at most; beyond it a foot slides, and steps are those of the velocity
 SMOOTH_STEP = 2.0  # largest last step over the turning speed, where a foot turns over or an effect has a gate
 
 
@@ -24,7 +32,7 @@ class Stage(NamedTuple):
 
 
 @inlined
-def solve_stage(world, sole, poses, start, c, vx, vz, bristles, turning, counts):
+def solve_stage(world, sole, poses, start, c, vx, vz, h0, turning, counts):
     """Velocity V of an implicit stage: V = v0 + c a(r0 + c V, V), by Newton's method.
 
     Starts from the guess (vx, vz) and ends with a step that is small (`converged`): Newton's method has then
@@ -32,29 +40,13 @@ def solve_stage(world, sole, poses, start, c, vx, vz, bristles, turning, counts)
     so that its momentum balance closes to rounding.
 
     Where a step makes the residual larger, a foot has turned its direction of motion over. Newton's method
-    goes on half-way in that foot's direction w, and its steps are those of w (`footopt.walk.turning`), halved
+    goes on half-way in that foot's direction w, and its steps are those of w, halved
     until they make the residual smaller.
 
-    Parameters
-    ----------
-    start : Motion
-        r0, m, and v0, m/s.
-    c : float, s
-        The stage's coefficient times the time step.
-    vx, vz : float, m/s
-        The guess.
-    bristles : bristles.StageBristles
-        Those that the stage bends.
-    turning : Turning
-        Of the stage before.
-    world, sole, poses, counts
-        As in `contact`.
-
-    Returns
-    -------
-    Stage
+    start: r0, m, and v0, m/s. c: the stage's coefficient times the time step, s. vx, vz: the guess, m/s.
+    turning: of the stage before. The others are as in `contact`.
     """
-    inv, h0 = c / world.mass, bristles.before
+    inv = c / world.mass
     turning_speed = turning_speed_of(world.bristle_length, world, c)
     hip = Motion(start.x + c * vx, start.z + c * vz, vx, vz)
     plate, vx, vz = begun(sole, poses, hip, turning, turning_speed, h0)
@@ -66,11 +58,10 @@ def solve_stage(world, sole, poses, start, c, vx, vz, bristles, turning, counts)
         square = rx * rx + rz * rz
         if square <= best:
             best, best_vx, best_vz, halved = square, vx, vz, 0
-            dvx, dvz = newton_step(slope_of(inv, at), rx, rz)
+            dvx, dvz = newton_step(inv, at, rx, rz)
             if converged(world, vx, vz, dvx, dvz, at, turning_speed, plate):
                 vx, vz = vx + dvx, vz + dvz
                 end = Motion(start.x + c * vx, start.z + c * vz, vx, vz)
-                bend(h0, world, sole, poses, end, c, bristles)
                 left, right = _extrapolated(at.left, dvx, dvz), _extrapolated(at.right, dvx, dvz)
                 return Stage(end, Contact(left, right, ended(plate, vx, vz)), True)
             vx, vz = stepped(plate, vx, vz, dvx, dvz, h0)
@@ -83,7 +74,7 @@ def solve_stage(world, sole, poses, start, c, vx, vz, bristles, turning, counts)
             vx, vz = stepped(plate, best_vx, best_vz, dvx, dvz, h0)
         else:
             break
-    return Stage(start, no_contact(), False)
+    return Stage(start, ALOFT, False)
 
 
 @inlined
@@ -95,20 +86,13 @@ def residual(world, start, c, hip, at):
 
 
 @inlined
-def slope_of(inv, at):
-    """J = 1 - c/M dF/dV of the residual; inv: c/M."""
+def newton_step(inv, at, rx, rz):
+    """Solution of J dV = -r, m/s, with the residual's slope J = 1 - c/M dF/dV; inv: c/M."""
     left, right = at.left, at.right
     jxx = 1.0 - inv * (left.xx + right.xx)
     jxz = -inv * (left.xz + right.xz)
     jzx = -inv * (left.zx + right.zx)
     jzz = 1.0 - inv * (left.zz + right.zz)
-    return jxx, jxz, jzx, jzz
-
-
-@inlined
-def newton_step(slope, rx, rz):
-    """Solution of J dV = -r, m/s."""
-    jxx, jxz, jzx, jzz = slope
     det = 1.0 / (jxx * jzz - jxz * jzx)
     return (jxz * rz - jzz * rx) * det, (jzx * rx - jxx * rz) * det
 
@@ -160,3 +144,115 @@ def _extrapolated(force, dvx, dvz):
         force.zx,
         force.zz,
     )
+
+
+class Plate(NamedTuple):
+    """The deepest plate of a foot."""
+
+    foot: int  # that turns over, or `NO_FOOT`
+    x: float  # m/s, the hip's velocity at which w = 0: the plate rests, or its bristles stand upright
+    z: float
+    speed: float  # n, m/s
+    height: float  # m, above the hip
+
+
+#: No foot turns over: steps are those of the velocity.
+NO_PLATE = Plate(NO_FOOT, 0.0, 0.0, 1.0, 0.0)
+
+
+@inlined
+def deepest_plate(sole, poses, foot, turning_speed, h0):
+    """The deepest plate of a foot in a stage."""
+    ankle = ankle_of(poses, foot)
+    i, height = lowest(sole, ankle)
+    motion = kinematics(ankle, sole.plates[0, i], sole.plates[1, i])
+    within = TURN * ankle.rate * sole.span
+    speed = np.sqrt(turning_speed * turning_speed + within * within)
+    x, z = _held(h0, foot, i)
+    return Plate(foot, -motion.vx - speed * x, -motion.vz - speed * z, speed, height)
+
+
+@inlined
+def _held(h0, foot, i):
+    """The direction in which bristles hold a plate; 0 without them."""
+    if h0 is None:
+        return 0.0, 0.0
+    return h0[foot, 0, i], h0[foot, 1, i]
+
+
+@inlined
+def turning_plate(sole, poses, hip, vx, vz, turning_speed, h0):
+    """The plate of the foot that turns over on the way from (vx, vz), m/s, to the hip's velocity.
+
+    Of both feet in the sand that with the smaller w half-way.
+    """
+    found, least = NO_PLATE, np.inf
+    for foot in range(2):
+        plate = deepest_plate(sole, poses, foot, turning_speed, h0)
+        x, z = _half_way(plate, vx, vz, hip.vx, hip.vz)
+        if hip.z + plate.height < 0.0 and x * x + z * z < least:
+            found, least = plate, x * x + z * z
+    return found
+
+
+@inlined
+def begun(sole, poses, hip, turning, turning_speed, h0):
+    """The plate that turns over as a stage begins, and the hip's velocity with its w of the stage before."""
+    if turning.foot != NO_FOOT:
+        plate = deepest_plate(sole, poses, turning.foot, turning_speed, h0)
+        if hip.z + plate.height < 0.0:
+            vx, vz = _velocity(plate, turning.x, turning.z, hip.vx, hip.vz)
+            return plate, vx, vz
+    return NO_PLATE, hip.vx, hip.vz
+
+
+@inlined
+def ended(plate, vx, vz):
+    """How the foot that turns over moves at the end of a stage; none where it slides."""
+    x, z, _ = _direction(plate, vx, vz)
+    slides = x * x + z * z > INSIDE * INSIDE
+    return Turning(NO_FOOT if slides else plate.foot, x, z)
+
+
+@inlined
+def half_way(plate, vx, vz, to_vx, to_vz):
+    """The velocity half-way in w from a velocity of the hip to another, m/s."""
+    x, z = _half_way(plate, vx, vz, to_vx, to_vz)
+    return _velocity(plate, x, z, 0.5 * (vx + to_vx), 0.5 * (vz + to_vz))
+
+
+@inlined
+def stepped(plate, vx, vz, dvx, dvz, h0):
+    """The velocity after a step of Newton's method, m/s, as one of w: dw/dv dv."""
+    if h0 is not None:  # inside the disc they are linear in v
+        return vx + dvx, vz + dvz
+    x, z, rate = _direction(plate, vx, vz)
+    along = x * dvx + z * dvz
+    x, z = x + rate * (dvx - x * along), z + rate * (dvz - z * along)
+    return _velocity(plate, x, z, vx + dvx, vz + dvz)
+
+
+@inlined
+def _half_way(plate, vx, vz, to_vx, to_vz):
+    """w half-way between those at two velocities of the hip, m/s."""
+    x, z, _ = _direction(plate, vx, vz)
+    to_x, to_z, _ = _direction(plate, to_vx, to_vz)
+    return 0.5 * (x + to_x), 0.5 * (z + to_z)
+
+
+@inlined
+def _direction(plate, vx, vz):
+    """w at a velocity of the hip, m/s, and its rate in dw/dv = rate (I - w w^T), s/m."""
+    x, z = vx - plate.x, vz - plate.z
+    rate = 1.0 / np.sqrt(x * x + z * z + plate.speed * plate.speed)
+    return x * rate, z * rate, rate
+
+
+@inlined
+def _velocity(plate, x, z, vx, vz):
+    """The hip's velocity with a direction w, m/s; (vx, vz) where no foot turns over, or where it slides."""
+    square = x * x + z * z
+    if plate.foot == NO_FOOT or square > INSIDE * INSIDE:
+        return vx, vz
+    speed = plate.speed / np.sqrt(1.0 - square)
+    return plate.x + speed * x, plate.z + speed * z

@@ -111,55 +111,46 @@ def measure(
 objective = partial(measure, "raw")
 
 
-@objective(r"$x_{\mathrm{COM}}(t_f)$", "m", maximise=True, worst=0.0)
-def distance(raw: Raw, scene: Simulator) -> Array:
-    """Forward travel of the COM, x(t_f) - x(0), m.
+@dataclass(frozen=True)
+class Quantity:
+    """A raw result as it is."""
 
-    The paper maximises x_COM(t_f) "for a certain period t_f" without giving t_f; the default here
-    is two strides after the start (2.9 s), which shows the three switches that it names.
-    """
-    return raw["distance"]
+    name: str
 
-
-@objective(r"$\bar z_{\mathrm{COM}}$", "m", maximise=True, worst=0.0)
-def mean_height(raw: Raw, scene: Simulator) -> Array:
-    """Mean height of the COM over [0, t_f], m: the paper's measure of sinkage.
-
-    The height is above the undisturbed sand, with the stepper's own quadrature.
-    """
-    return raw["mean_height"]
+    def __call__(self, raw: Raw, scene: Simulator) -> Array:
+        return raw[self.name]
 
 
-@objective("$|W(t_f)|$", "J", maximise=False, worst=1e6, least=0.0)
-def work(raw: Raw, scene: Simulator) -> Array:
-    """|W(t_f)|, W the time integral of sum f.v over all plates of both feet, J (the paper's eq. 7).
-
-    The force is that of the sand on the plates, so W is negative: what the walker must compensate.
-    """
-    return raw["work"]
+def quantity(
+    name: str, symbol: str, unit: str, maximise: bool, worst: float, least: float = -math.inf
+) -> None:
+    """Register a raw result as an objective; see `measure`."""
+    OBJECTIVES[name] = Objective(name, symbol, unit, maximise, worst, Quantity(name), least=least)
 
 
-@objective(r"$p_{\max}$", "W", maximise=False, worst=1e6, least=0.0)
-def peak_power(raw: Raw, scene: Simulator) -> Array:
-    """Largest |sum f.v| of one foot at any instant from the first heel strike to t_f, W.
+# Forward travel of the COM, x(t_f) - x(0), m. The paper maximises x_COM(t_f) "for a certain period t_f"
+# without giving t_f; the default here is two strides after the start (2.9 s), which shows the three switches
+# that it names.
+quantity("distance", r"$x_{\mathrm{COM}}(t_f)$", "m", maximise=True, worst=0.0)
 
-    The paper says "during a single-stance walking phase" and sums over the plates of a foot; it
-    leaves open whether the double stance counts. Here it does. Between steps the peak is that of a
-    parabola through three samples.
-    """
-    return raw["peak_power"]
+# Mean height of the COM over [0, t_f], m: the paper's measure of sinkage. The height is above the
+# undisturbed sand, with the stepper's own quadrature.
+quantity("mean_height", r"$\bar z_{\mathrm{COM}}$", "m", maximise=True, worst=0.0)
 
+# |W(t_f)|, W the time integral of sum f.v over all plates of both feet, J (the paper's eq. 7). The force is
+# that of the sand on the plates, so W is negative: what the walker must compensate.
+quantity("work", "$|W(t_f)|$", "J", maximise=False, worst=1e6, least=0.0)
 
-@objective(r"$\Delta V_x$", "m/s", maximise=False, worst=1e3, least=0.0)
-def speed_loss(raw: Raw, scene: Simulator) -> Array:
-    """Largest fall of the forward COM speed below its running maximum, m/s.
+# Largest |sum f.v| of one foot at any instant from the first heel strike to t_f, W. The paper says "during a
+# single-stance walking phase" and sums over the plates of a foot; it leaves open whether the double stance
+# counts. Here it does. Between steps the peak is that of a parabola through three samples.
+quantity("peak_power", r"$p_{\max}$", "W", maximise=False, worst=1e6, least=0.0)
 
-    From the first heel strike to t_f: max over s <= t of V_x(s) - V_x(t). The paper asks not to
-    "lose too much forward velocity when the walker switches the stance legs" and gives no
-    definition; this one has no inner window whose edge could set the value. Extremes between steps
-    are those of the cubic Hermite interpolant.
-    """
-    return raw["speed_loss"]
+# Largest fall of the forward COM speed below its running maximum, m/s. From the first heel strike to t_f:
+# max over s <= t of V_x(s) - V_x(t). The paper asks not to "lose too much forward velocity when the walker
+# switches the stance legs" and gives no definition; this one has no inner window whose edge could set the
+# value. Extremes between steps are those of the cubic Hermite interpolant.
+quantity("speed_loss", r"$\Delta V_x$", "m/s", maximise=False, worst=1e3, least=0.0)
 
 
 @objective("$J_W$", "", maximise=False, worst=0.0)
@@ -185,44 +176,24 @@ def cost_of_transport(raw: Raw, scene: Simulator) -> Array:
     return value
 
 
-@objective(r"$W^+_{\mathrm{joint}}$", "J", maximise=False, worst=1e6, least=0.0)
-def joint_work(raw: Raw, scene: Simulator) -> Array:
-    """Positive work of the joints, J.
+# Positive work of the joints, J. Of massless legs the integral of the positive part of P_joint = -sum
+# f.(v_plate - v_COM) of each leg, summed; of a robot that of torque times speed of each actuator.
+quantity("joint_work", r"$W^+_{\mathrm{joint}}$", "J", maximise=False, worst=1e6, least=0.0)
 
-    Of massless legs the integral of the positive part of P_joint = -sum f.(v_plate - v_COM) of each leg,
-    summed; of a robot that of torque times speed of each actuator.
-    """
-    return raw["joint_work"]
+# Depth of the deepest plate below the sand at any step, m.
+quantity("maximum_sinkage", r"$z_{\max}$", "m", maximise=False, worst=1e3, least=0.0)
 
+# Largest vertical force of both feet together at any step, N.
+quantity("peak_vertical_force", r"$F_{z,\max}$", "N", maximise=False, worst=1e9, least=0.0)
 
-@objective(r"$z_{\max}$", "m", maximise=False, worst=1e3, least=0.0)
-def maximum_sinkage(raw: Raw, scene: Simulator) -> Array:
-    """Depth of the deepest plate below the sand at any step, m."""
-    return raw["maximum_sinkage"]
+# Root of the mean square by which a robot's servos miss their commands, over time and joints, rad.
+quantity("tracking_error", r"$e_{\mathrm{track}}$", "rad", maximise=False, worst=1e3, least=0.0)
 
+# Largest torque of any actuator of a robot at any step, N m (N of one that slides).
+quantity("torque", r"$\tau_{\max}$", "N m", maximise=False, worst=1e9, least=0.0)
 
-@objective(r"$F_{z,\max}$", "N", maximise=False, worst=1e9, least=0.0)
-def peak_vertical_force(raw: Raw, scene: Simulator) -> Array:
-    """Largest vertical force of both feet together at any step, N."""
-    return raw["peak_vertical_force"]
-
-
-@objective(r"$e_{\mathrm{track}}$", "rad", maximise=False, worst=1e3, least=0.0)
-def tracking_error(raw: Raw, scene: Simulator) -> Array:
-    """Root of the mean square by which a robot's servos miss their commands, over time and joints, rad."""
-    return raw["tracking_error"]
-
-
-@objective(r"$\tau_{\max}$", "N m", maximise=False, worst=1e9, least=0.0)
-def torque(raw: Raw, scene: Simulator) -> Array:
-    """Largest torque of any actuator of a robot at any step, N m (N of one that slides)."""
-    return raw["torque"]
-
-
-@objective(r"$t_{\mathrm{fall}}$", "s", maximise=True, worst=0.0)
-def survival(raw: Raw, scene: Simulator) -> Array:
-    """How long a robot walks before it falls, s: known of walks that fail, too."""
-    return raw["survival"]
+# How long a robot walks before it falls, s: known of walks that fail, too.
+quantity("survival", r"$t_{\mathrm{fall}}$", "s", maximise=True, worst=0.0)
 
 
 #: The paper's objectives, in the order of every table.

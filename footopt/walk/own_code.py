@@ -11,7 +11,7 @@ from typing import Any
 from numba import njit
 
 from footopt.compiled import cached_njit
-from footopt.effects import HOOKS
+from footopt.effects.base import HOOKS
 
 #: Where types and functions come from that every process can import.
 HOME = ("footopt.", __name__.rpartition(".")[0] + ".")

@@ -6,9 +6,8 @@ from typing import Any
 import numpy as np
 
 from footopt.arrays import Array
-from footopt.compiled import unless_none
 from footopt.foot import Plates
-from footopt.gait.gait import Pose
+from footopt.gait import Pose
 from footopt.walk.contact import TURN, bristles_between, plate_force
 from footopt.walk.discretize import sole_of
 from footopt.walk.own_code import compiled_for
@@ -32,11 +31,6 @@ class PlateStates:
         return np.maximum(-self.position[..., 1], 0.0)
 
     @property
-    def total(self) -> Array:
-        """F = sum of f over the plates of a foot, (M, 2 feet, 2), N, as `contact.foot_force` has it."""
-        return np.asarray(self.force.sum(axis=2))
-
-    @property
     def power(self) -> Array:
         """f.v of every plate, (M, 2 feet, N), W: the paper's eq. 7."""
         return np.asarray(np.sum(self.force * self.velocity, axis=-1))
@@ -53,15 +47,15 @@ def plate_states(
 ) -> PlateStates:
     """The plates of one foot shape under a walker in some states, on the sand of a world.
 
-    The plates are directed, of one design; the pose is that of both feet at M times, and place and velocity
+    The plates are of one design; the pose is that of both feet at M times, and place and velocity
     of the hip are (M, 2), m and m/s. The law's jump at rest is smoothed over the turning speed, m/s, or
     `bristles` (M, 2, N, 2) are turned by motion over that speed; infinity leaves them as they are.
     """
     sole, count = sole_of(plates), plates.x.shape[1]
     h0, hip, out = None, np.column_stack([com, velocity]), np.zeros((*pose.x.shape, sole.plates.shape[1], 8))
     if bristles is not None:
-        h0 = np.zeros((*pose.x.shape, 2, sole.plates.shape[1]))
-        h0[..., :count] = np.moveaxis(bristles, 3, 2)
+        h0 = np.zeros((pose.x.size, 2, sole.plates.shape[1]))
+        h0[..., :count] = np.moveaxis(bristles, 3, 2).reshape(-1, 2, count)
     compiled_for(each_plate, world.effects.all)(world, sole, pose.table(), hip, turning_speed, h0, out)
     place, moves, force, normal = (out[:, :, :count, i : i + 2] for i in range(0, 8, 2))
     slip = np.hypot(turning_speed, TURN * float(sole.span) * pose.rate)
@@ -73,21 +67,15 @@ def each_plate(
 ) -> None:
     """Compiled: fill `out` (M, feet, plates, 8) with place, velocity, force and normal of every plate.
 
-    poses: (M, feet, 7). hip: (M, 4), its place and velocity. h0: bristles (M, feet, 2, plates), or None.
+    poses: (M, feet, 7). hip: (M, 4), its place and velocity. h0: bristles (M times feet, 2, plates), or None.
     """
-    part = plates_between(sole, sole.directed, 0, sole.plates.shape[1])
+    part = plates_between(sole, True, 0, sole.plates.shape[1])
     for m in range(len(hip)):
         moving = Motion(hip[m, 0], hip[m, 1], hip[m, 2], hip[m, 3])
         for foot in range(poses.shape[1]):
             ankle = in_world(ankle_of(poses[m], foot), moving)
-            bristles = bristles_between(_row(h0, m), foot, 0, len(part.x))
+            bristles = bristles_between(h0, m * poses.shape[1] + foot, 0, len(part.x))
             for i in range(len(part.x)):
                 f = plate_force(world.law, world.effects, part, i, ankle, turning_speed, None, bristles)
                 at = f.motion
                 write(out[m, foot, i], (at.x, at.z, at.vx, at.vz, f.x, f.z, f.normal_x, f.normal_z))
-
-
-@unless_none
-def _row(h0: Any, m: int) -> Any:
-    """The bristles of a sample."""
-    return h0[m]

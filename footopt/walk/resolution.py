@@ -8,11 +8,11 @@ import numpy as np
 
 from footopt.foot import Foot
 from footopt.walk.accuracy import Accuracy, AnyAccuracy
+from footopt.walk.checks import Diagnostic
 from footopt.walk.objectives import FIVE, sizes
 from footopt.walk.results import Walk
 from footopt.walk.simulate import estimated, simulate
 from footopt.walk.simulator import Simulator
-from footopt.walk.validity import Diagnostic
 
 #: A warning is due where the estimate is this many times what the accuracy promises.
 BEYOND = 10.0

@@ -1,4 +1,4 @@
-"""The results: `Table`, the objectives of many feet, and `Walk`, one foot with its traces."""
+"""The results: `Table`, the objectives of many feet, and `Walk`, one foot with its traces and its stances."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from footopt.arrays import Array, Bools, Ints, Words
 from footopt.effects import reshaping
 from footopt.foot import Foot, Plates
-from footopt.gait.gait import Pose
+from footopt.gait import LEFT, RIGHT, Pose
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.bristles import turning_speed_of
 from footopt.walk.objectives import MEASURES, OBJECTIVES, Objective, by_name, lookup, offered
@@ -111,6 +111,8 @@ class Variable(NamedTuple):
     unit: str
     values: Array
 
+
+LEAST_FORCE = 1.0  # N, vertical: above it a foot stands on the sand
 
 #: Names of feet by their number; of more of them the numbers.
 SIDES = {1: ("single",), 2: ("left", "right")}
@@ -273,7 +275,7 @@ class Walk:
         return pose
 
     def camera(self) -> AbstractContextManager[Any]:
-        """A context with a `footopt.mujoco.camera.Camera` of what walks, None where there is none."""
+        """A context with a `footopt.mujoco.traces.Camera` of what walks, None where there is none."""
         return nullcontext()
 
     def legs(self, t: ArrayLike) -> Array:
@@ -297,4 +299,48 @@ class Walk:
     @property
     def sole(self) -> Plates:
         fill = reshaping(self.world.effects)
-        return self.foot.plates(self.accuracy.plates, self.accuracy.rule, directed=True, fill=fill)
+        return self.foot.plates(self.accuracy.plates, self.accuracy.rule, fill)
+
+
+class Stance(NamedTuple):
+    """A foot's contact at a heel strike, as samples of a walk."""
+
+    first: int
+    last: int
+    dragged: bool  # the foot was in the sand long before, so that `first` is the heel strike
+    foot: int
+
+
+def stance(walk: Walk, step: int = 0) -> Stance | None:
+    """From touch-down to push-off of a step, the first of which is the right foot's; None if it never stood.
+
+    The foot reaches the sand before the gait's nominal heel strike, so the contact is followed back
+    from there. On soft sand, where a foot drags through its swing, there is no touch-down within a
+    quarter of a stride, and the step begins at the heel strike.
+    """
+    strikes, foot = walk.scene.strikes, LEFT if step % 2 else RIGHT
+    if step >= len(strikes):
+        return None
+    strike, quarter = strikes[step], walk.scene.stride / 4.0
+    on = walk.force[:, foot, 1] > LEAST_FORCE
+    after = np.flatnonzero(on & (walk.t >= strike - 1e-9))
+    if len(after) == 0:
+        return None
+    at, off = int(after[0]), np.concatenate([[-1], np.flatnonzero(~on), [len(on)]])
+    behind = int(np.searchsorted(off, at))
+    first, last = int(off[behind - 1]) + 1, int(off[behind]) - 1
+    dragged = bool(walk.t[first] < strike - quarter)
+    return Stance(at if dragged else first, last, dragged, foot)
+
+
+def step_on_patch(walk: Walk) -> int:
+    """The first step in whose middle the foot is on a patch of other sand; 0 where there is none."""
+    patches = [zone for effect in walk.scene.effects for zone in effect.zones]
+    for step in range(len(walk.scene.strikes) if patches else 0):
+        if (contact := stance(walk, step)) is None:
+            continue
+        middle = np.array([(contact.first + contact.last) // 2])
+        x = walk.plates(middle).position[0, contact.foot, :, 0]
+        if any(begin < x.max() and x.min() < end for begin, end, _ in patches):
+            return step
+    return 0

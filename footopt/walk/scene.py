@@ -1,4 +1,4 @@
-"""`Scene`: the sand, gait and walker of a walk, and the simulator of the planar walker."""
+"""`Walker` and `Scene`: what the paper's walker is, where it walks, and the simulator of it."""
 
 import math
 from collections.abc import Sequence
@@ -11,20 +11,70 @@ from footopt.arrays import Array
 from footopt.effects import base as effects
 from footopt.effects.base import Effect, ordered
 from footopt.errors import check, check_kind
-from footopt.foot import Foot, Waypoints
+from footopt.foot import Foot, Waypoints, as_plates
+from footopt.foot.plates import RULES
 from footopt.gait import Gait
 from footopt.sand import Sand
-from footopt.sand.law import EARTH
+from footopt.sand.law import EARTH, PER_CM3, Law
 from footopt.walk.accuracy import Accuracy, Tolerance
-from footopt.walk.batch import REASONS, chunks, walk_batch
-from footopt.walk.discretize import Path, too_many_poses, world
+from footopt.walk.discretize import Path, too_many_poses
 from footopt.walk.ladder import Found, climbed, numbers_at
-from footopt.walk.loop import OK
+from footopt.walk.loop import OK, REASONS, walk_batch
 from footopt.walk.metrics import PARTS, RAW
+from footopt.walk.newton import NEWTON, STICKING
 from footopt.walk.results import Walk
 from footopt.walk.simulator import Simulator, Walked
 from footopt.walk.state import COUNTED, World
-from footopt.walk.walker import Walker
+
+CHUNK = 4096  # designs whose plates are in memory at once
+POINTS = 4_000_000  # along their soles, at most
+DAMPING = 2.0  # of bristles: critical for a mass that they hold by its weight
+
+#: Units and ranges of a walker's numbers, from an insect to an excavator that walks.
+WALKERS = {
+    "mass": ("kg", 1e-9, 1e9),
+    "l1": ("m", 1e-4, 10.0),
+    "l2": ("m", 1e-4, 10.0),
+    "g": ("m/s^2", 1e-6, 1e6),
+}
+
+
+@dataclass(frozen=True)
+class Walker:
+    """A biped with all its mass at the hip and massless legs (the paper's table 1).
+
+    Parameters
+    ----------
+    mass : float, kg
+        Of the whole walker, M.
+    l1 : float, m
+        Length of a thigh.
+    l2 : float, m
+        Length of a shank.
+    g : float, m/s^2
+        Gravity. The sand's strength is in proportion to it: see `Scene.zeta`.
+
+    Raises
+    ------
+    SettingError
+        A number is not in `WALKERS`' range.
+    """
+
+    mass: float = 60.0
+    l1: float = 0.47
+    l2: float = 0.45
+    g: float = EARTH
+
+    def __post_init__(self) -> None:
+        for name, (unit, low, high) in WALKERS.items():
+            value = getattr(self, name)
+            allowed = f"a number > 0, from {low:g} to {high:g}, in {unit}"
+            check(low <= value <= high, f"walker.{name}", value, allowed)
+
+    @property
+    def weight(self) -> float:
+        """M g, N."""
+        return self.mass * self.g
 
 
 @dataclass(frozen=True)
@@ -73,11 +123,7 @@ class Scene(Simulator):
 
     #: Joints of massless legs spend what the sand takes.
     transport: ClassVar[str] = "work"
-
-    @property
-    def quantities(self) -> tuple[str, ...]:
-        """Names of what `walk` measures."""
-        return RAW
+    quantities: ClassVar[tuple[str, ...]] = RAW
 
     @property
     def weight(self) -> float:
@@ -154,7 +200,19 @@ class Scene(Simulator):
 
     def constants(self, accuracy: Accuracy) -> World:
         """The constants of a compiled walk."""
-        return world(self.sand, self.walker, self.effects, accuracy.creep)
+        (tilt, g), length = self.gravity, effects.bristle_length(self.effects)
+        # floats throughout: a whole number would be another type, and compile the loop again
+        return World(
+            law=Law(*(float(self.zeta * PER_CM3 * c) for c in self.sand.stress_map.law)),
+            mass=float(self.walker.mass),
+            g=float(g),
+            tilt=float(tilt),
+            creep=float(accuracy.creep),
+            bristle_length=length,
+            retardation=0.0 if length is None else DAMPING * float(np.sqrt(length / g)),
+            tolerance=NEWTON if length is None else STICKING,
+            effects=effects.laws(self.effects),
+        )
 
     def too_long(self, accuracy: Accuracy) -> bool:
         """Whether a walk needs more poses than are tabulated."""
@@ -165,10 +223,12 @@ class Scene(Simulator):
     ) -> Walked:
         """Walk with some feet by the compiled loop, which follows the sinkage where it is asked for."""
         sink, constants = "maximum_sinkage" in names, self.constants(accuracy)
-        parts = [
-            walk_batch(plates, self.path, constants, accuracy, sink, threads)[:3]
-            for plates in chunks(feet, self.effects, accuracy)
-        ]
+        size, parts = max(1, min(CHUNK, POINTS // (accuracy.plates * RULES[accuracy.rule]))), []
+        for i in range(0, len(feet), size):
+            plates = as_plates(
+                feet[i : i + size], accuracy.plates, accuracy.rule, effects.reshaping(self.effects)
+            )
+            parts.append(walk_batch(plates, self.path, constants, accuracy, sink, threads)[:3])
         raw, status, counts = (np.concatenate(column) for column in zip(*parts, strict=True))
         raw[status != OK] = np.nan
         if not sink:
@@ -178,7 +238,7 @@ class Scene(Simulator):
 
     def trace(self, foot: Foot, accuracy: Accuracy) -> Walk:
         """Walk with one foot, keeping full traces."""
-        (plates,) = chunks([foot], self.effects, accuracy)
+        plates = foot.plates(accuracy.plates, accuracy.rule, effects.reshaping(self.effects))
         constants = self.constants(accuracy)
         walked = walk_batch(plates, self.path, constants, accuracy, sink=True, threads=1, traced=True)
         rows, h = 1 + np.flatnonzero(np.isfinite(walked.trace[1:]).all(axis=1)), walked.bristles

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,7 +11,7 @@ from footopt.errors import check_kind
 from footopt.foot import Foot, Waypoints, as_feet
 from footopt.walk.accuracy import Accuracy, AnyAccuracy, resolve
 from footopt.walk.ladder import numerics
-from footopt.walk.objectives import FIVE, Objective, by_name, lookup, offered
+from footopt.walk.objectives import FIVE, by_name, lookup, offered
 from footopt.walk.results import Table, Walk
 from footopt.walk.scene import Scene
 from footopt.walk.simulator import Simulator
@@ -138,17 +137,11 @@ def _evaluated(
             values[:, column] = o.value(by_name(raw, scene.quantities), scene)
     if slow := [column for column, o in enumerate(chosen) if o.of != "raw"]:
         for design in np.flatnonzero(feasible).tolist():
-            values[design, slow] = _measured(feet[design], [chosen[c] for c in slow], scene, accuracy)
+            foot, each = feet[design], [chosen[c] for c in slow]
+            walk = scene.trace(foot, accuracy) if any(o.of == "walk" for o in each) else None
+            values[design, slow] = [walk.measured(o) if walk else float(o.value(foot)) for o in each]
     names = tuple(objectives)
     return Table(values, names, feasible, reasons, raw, evaluations, scene, scene.quantities, counts)
-
-
-def _measured(foot: Foot, measures: Sequence[Objective], scene: Any, accuracy: Accuracy) -> list[float]:
-    """Measures in Python, of one foot and its walk."""
-    if all(m.of == "foot" for m in measures):
-        return [float(m.value(foot)) for m in measures]
-    walk = simulate(foot, scene, accuracy)
-    return [walk.measured(m) for m in measures]
 
 
 def _scene(scene: Simulator | None) -> Simulator:

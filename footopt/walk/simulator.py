@@ -59,11 +59,6 @@ class Simulator(ABC):
         return EARTH
 
     @property
-    def body(self) -> str:
-        """What walks, in a few words, such as "a robot of 60 kg"."""
-        return ""
-
-    @property
     def least(self) -> float:
         """Work, J, and power, W, below which errors are relative to this number, not to them."""
         return 1.0

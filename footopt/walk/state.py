@@ -8,7 +8,7 @@ from numba.extending import intrinsic, overload
 
 from footopt.arrays import Array
 from footopt.compiled import INLINE, inlined, unless_none
-from footopt.effects import Laws
+from footopt.effects.base import Laws
 from footopt.sand.law import Law
 
 LANES = 8  # plates are padded to a multiple of this, and summed in such blocks
@@ -51,11 +51,10 @@ class Sole(NamedTuple):
     tables, not a dozen of arrays: every function that takes them is compiled in half of the time.
     """
 
-    plates: Array  # (rows, padded plates): the arrays of `Part`, with those of the tangent if it has one
+    plates: Array  # (rows, padded plates): the arrays of `Part` and its tangent
     blocks: Array  # (4, blocks): middle of a rectangle around each block, half its length and height, m
     reach: Any  # the sole's largest distance from the ankle, m
     span: Any  # length along the contour that a plate represents, m; 0 for chords
-    directed: bool | None  # None where no effect needs the plates' normals
 
 
 class Part(NamedTuple):
@@ -107,7 +106,7 @@ class Turning(NamedTuple):
     """A foot that turns its direction of motion over, where Newton's method has to follow that."""
 
     foot: int  # or `NO_FOOT`
-    x: float  # w, see `footopt.walk.turning`
+    x: float  # w, see `footopt.walk.newton`
     z: float
 
 
@@ -117,6 +116,10 @@ class Contact(NamedTuple):
     left: Force
     right: Force
     turning: Turning  # in the stage that ends there
+
+
+#: Feet in the air.
+ALOFT = Contact(Force(*[0.0] * 7), Force(*[0.0] * 7), Turning(NO_FOOT, 0.0, 0.0))
 
 
 class Integrals(NamedTuple):
@@ -171,18 +174,6 @@ overload(borrowed, jit_options=INLINE)(lambda array: lambda array: unowned(array
 
 
 @inlined
-def no_force():
-    """Of a foot in the air."""
-    return Force(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-
-
-@inlined
-def no_contact():
-    """Of feet in the air."""
-    return Contact(no_force(), no_force(), Turning(NO_FOOT, 0.0, 0.0))
-
-
-@inlined
 def ankle_of(poses, foot):
     """A foot's ankle in a row of the table, (2 feet, 7), that `gait.Pose.table` makes."""
     row = poses[foot]
@@ -200,7 +191,7 @@ def in_world(ankle, hip):
 def sole_at(soles, design):
     """One design's plates out of a batch's."""
     plates, blocks = borrowed(soles.plates)[design], borrowed(soles.blocks)[design]
-    return Sole(plates, blocks, soles.reach[design], soles.span[design], soles.directed)
+    return Sole(plates, blocks, soles.reach[design], soles.span[design])
 
 
 @inlined

@@ -16,7 +16,7 @@ SHADES = fo.Shadowing()
 
 def test_the_plates_run_once_around():
     foot = fo.Foot.from_waypoints(K, closed=True, top=0.02)
-    plates = foot.plates(64, directed=True)
+    plates = foot.plates(64)
     outline = closed_contour(foot.contour, foot.top)
     loop = np.linalg.norm(np.diff(outline, axis=0, append=outline[:1]), axis=1).sum()
     assert plates.area.sum() == pytest.approx(loop * foot.width, rel=1e-3)
@@ -34,17 +34,15 @@ def test_the_sole_comes_first_and_is_the_open_one():
 
 
 def test_a_side_of_no_length_has_no_area_and_is_finite():
-    plates = fo.Foot.shape("circle", closed=True).plates(40, directed=True, fill=SHADES.reshape)
+    plates = fo.Foot.shape("circle", closed=True).plates(40, fill=SHADES.reshape)
     assert all(np.isfinite(column).all() for column in plates)
     assert plates.area.min() == pytest.approx(0.0, abs=1e-20)
 
 
 def test_a_population_and_a_foot_have_the_same_plates():
     space = fo.Waypoints(closed=True, top=0.01)
-    alone = fo.Foot.from_waypoints(K, space).plates(48, directed=True, fill=SHADES.reshape)
-    for a, b in zip(
-        as_plates(as_feet([K, K], space), 48, "arc", directed=True, fill=SHADES.reshape), alone, strict=True
-    ):
+    alone = fo.Foot.from_waypoints(K, space).plates(48, fill=SHADES.reshape)
+    for a, b in zip(as_plates(as_feet([K, K], space), 48, "arc", fill=SHADES.reshape), alone, strict=True):
         np.testing.assert_array_equal(a[1], b[0])
 
 

@@ -26,8 +26,9 @@ import footopt as fo
 from footopt.effects import EFFECTS, Inertia, Layers, Patches, Slope, laws, reshaping
 from footopt.effects import base as effects
 from footopt.effects.dual import Dual
-from footopt.walk.balances import energy_gap
-from footopt.walk.discretize import NEWTON, sole_of
+from footopt.walk.checks import energy_gap
+from footopt.walk.discretize import sole_of
+from footopt.walk.newton import NEWTON
 from footopt.walk.own_code import compiled_for
 from footopt.walk.state import COUNTS, Motion
 
@@ -53,7 +54,7 @@ class TestContact:
     @given(SOLES, HEIGHT, PITCH, RATE, SPEED, SPEED, PLACE, st.sampled_from([1e-3, 1e-2]))
     def test_has_an_exact_jacobian(self, foot, height, pitch, rate, vx, vz, x, stage):
         """In an implicit stage the place follows the velocity: d/dV of F(r0 + c V, V)."""
-        plates, pose, creep, d = foot.plates(40, directed=True), pose_of(height, pitch, rate), 1e-1, 1e-6
+        plates, pose, creep, d = foot.plates(40), pose_of(height, pitch, rate), 1e-1, 1e-6
 
         def moved(dx, dz):
             follow = {"creep": creep, "stage": stage, "x": x + stage * dx, "z": stage * dz}
@@ -72,7 +73,7 @@ class TestContact:
         instant = {"t": np.array([t]), "com": np.array([[x, z]]), "velocity": np.array([[vx, vz]])}
         states = replace(regular_walk, scene=scene, **instant).plates([0])
         accuracy = regular_walk.accuracy
-        plates = regular_walk.foot.plates(accuracy.plates, accuracy.rule, directed=True, fill=reshaping(ALL))
+        plates = regular_walk.foot.plates(accuracy.plates, accuracy.rule, fill=reshaping(ALL))
         pose = scene.gait.pose([t], scene.walker.l1, scene.walker.l2).table()[0]
         counts, constants = np.zeros(1, COUNTS)[0], scene.constants(accuracy)
         state = constants, sole_of(plates), pose, Motion(x, z, vx, vz), accuracy.creep, None, counts
@@ -116,7 +117,7 @@ class TestNothing:
     def test_the_force_approaches_the_bare_one_in_proportion(
         self, name, foot, height, pitch, rate, vx, vz, x
     ):
-        state = foot.plates(40, directed=True), pose_of(height, pitch, rate), vx, vz
+        state = foot.plates(40), pose_of(height, pitch, rate), vx, vz
         bare, tiny = feel(*state, x=x)[0], dict.fromkeys(("inertia", "layers", "patches"), 1e-13)
         one, two = (feel(*state, *small(**tiny | {name: e}), x=x)[0] - bare for e in (1e-3, 2e-3))
         np.testing.assert_allclose(two, 2.0 * one, rtol=0, atol=2e-12 * np.abs(bare).max())
@@ -138,7 +139,7 @@ class TestWalks:
 
     def test_plates_add_up_to_the_feet(self, all_walk):
         """To the last step of Newton's method; where a plate turns to lead inside it, to its force."""
-        found = all_walk.plates(np.arange(len(all_walk.t))).total
+        found = all_walk.plates(np.arange(len(all_walk.t))).force.sum(axis=2)
         error = np.abs(found - all_walk.force).max(axis=(1, 2)) / np.abs(found).max()
         assert np.quantile(error, 0.99) < NEWTON
         assert error.max() < 1.5 / all_walk.accuracy.plates

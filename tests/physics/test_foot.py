@@ -135,7 +135,7 @@ class TestPlates:
     def test_a_design_does_not_depend_on_its_batch(self, batch, data):
         """Bit for bit: stores and engines rest on it."""
         i = data.draw(st.integers(0, len(batch) - 1))
-        shaded = {"directed": True, "fill": fo.Shadowing().reshape}
+        shaded = {"fill": fo.Shadowing().reshape}
         together, alone = (as_plates(as_feet(k, SPACE), 64, "arc", **shaded) for k in (batch, batch[i]))
         for all_, one in zip(together, alone, strict=True):
             np.testing.assert_array_equal(all_[i], one[0])

@@ -12,8 +12,7 @@ from motion_files import write_table
 
 import footopt as fo
 from footopt.errors import FileError, SettingError
-from footopt.gait import LEFT, RIGHT, Fourier
-from footopt.gait.gait import HUMAN
+from footopt.gait import HUMAN, LEFT, RIGHT, Fourier
 
 L1, L2 = 0.47, 0.45
 STANDING_STILL = fo.Gait.human(start=math.inf)

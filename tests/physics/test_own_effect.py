@@ -59,12 +59,14 @@ class TestAnEffectOfOnesOwn:
         scene = fo.Scene(effects=(own.Damp(),), t_f=0.2)
         walk = fo.simulate(flat_foot, scene, fo.Accuracy("explicit_euler", 1e-3))
         states = walk.plates(np.arange(len(walk.t)))
-        np.testing.assert_allclose(states.total, walk.force, rtol=0, atol=1e-9 * np.abs(walk.force).max())
+        np.testing.assert_allclose(
+            states.force.sum(axis=2), walk.force, rtol=0, atol=1e-9 * np.abs(walk.force).max()
+        )
         plain = replace(walk, scene=fo.Scene(t_f=0.2)).plates(np.arange(len(walk.t)))
         wet = np.clip(-states.position[..., 1] / 1e-6, 0.0, 1.0)
         pressure = 3000.0 - 2000.0 * states.velocity[..., 1]
         pressed = np.sum(pressure * wet, axis=-1) * 0.026 / states.force.shape[2]
-        added = states.total[..., 1] - plain.total[..., 1]
+        added = states.force.sum(axis=2)[..., 1] - plain.force.sum(axis=2)[..., 1]
         np.testing.assert_allclose(added, pressed, rtol=0, atol=1e-9 * np.abs(pressed).max())
         sole = walk.start[1] + walk.pose([0]).z[0, 0] + flat_foot.contour[0, 1]
         assert 0.026 * (3000.0 - 5e6 * sole) == pytest.approx(scene.weight, rel=1e-9)  # at 1 nm/s

@@ -16,7 +16,7 @@ class TestPatches:
     @given(SOLES, HEIGHT, PITCH, RATE, SPEED, SPEED, st.sampled_from([(0.65, 0.7), (1.4, 1.5)]))
     def test_inside_a_patch_the_sand_is_its_own(self, foot, height, pitch, rate, vx, vz, inside):
         x, factor = inside
-        state = foot.plates(40, directed=True), pose_of(height, pitch, rate), vx, vz
+        state = foot.plates(40), pose_of(height, pitch, rate), vx, vz
         plain = feel(*state, zeta=factor)[0]
         scale = 1e-12 * np.abs(plain).max()
         np.testing.assert_allclose(feel(*state, PATCHES, x=x)[0], plain, rtol=1e-12, atol=scale)

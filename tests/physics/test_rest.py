@@ -9,7 +9,7 @@ import pytest
 from numba import njit
 
 import footopt as fo
-from footopt.walk import batch
+from footopt.walk import loop
 from footopt.walk.bristles import turning_speed_of
 from footopt.walk.contact import contact
 from footopt.walk.discretize import sole_of
@@ -85,7 +85,7 @@ def felt(world, soles, poses, hip, slip, stage, before, counts):
 @pytest.mark.slow  # of compiling
 def test_the_force_has_its_analytic_derivative_where_plates_stick_and_where_they_slide(ramp_foot):
     """dF/dv of an implicit stage, against differences; the stage is 1 ms, so that 1 mm/s bends by delta."""
-    plates = ramp_foot.plates(40, directed=True)
+    plates = ramp_foot.plates(40)
     constants = fo.Scene(effects=(fo.Rest(), fo.LeadingEdge())).constants(fo.Accuracy())
     poses = np.zeros((2, 7))
     poses[:, 4], poses[0, 1], poses[1, 1], poses[0, 6] = 1.0, -0.02, 1.0, 1e-3
@@ -206,11 +206,13 @@ def test_plates_add_up_to_the_force_nearly_so_where_fewer_bristles_are_kept(ramp
     """Of a long walk as many as there is room for: the nearest ones are of at most a few steps later."""
     scene = fo.Scene(effects=(fo.Rest(),))
     whole = fo.simulate(ramp_foot, scene)
-    added = whole.plates(np.arange(len(whole.t))).total - whole.force
+    added = whole.plates(np.arange(len(whole.t))).force.sum(axis=2) - whole.force
     assert np.abs(added).max() < 1e-3 * scene.walker.weight
-    monkeypatch.setattr(batch, "MOST_BYTES", 16.0 * whole.accuracy.plates * len(whole.t) // 4)
+    monkeypatch.setattr(loop, "MOST_BYTES", 16.0 * whole.accuracy.plates * len(whole.t) // 4)
     part = fo.simulate(ramp_foot, scene)
     assert len(part.bristles) <= len(whole.bristles) // 4 + 1
     np.testing.assert_array_equal(part.force, whole.force)
-    off = np.abs(part.plates(np.arange(len(part.t))).total - part.force)[whole.t > 0.1].max(axis=(1, 2))
+    off = np.abs(part.plates(np.arange(len(part.t))).force.sum(axis=2) - part.force)[whole.t > 0.1].max(
+        axis=(1, 2)
+    )
     assert np.median(off) < 0.1 * scene.walker.weight

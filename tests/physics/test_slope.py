@@ -9,7 +9,7 @@ from feet_in_sand import momentum_gap
 
 import footopt as fo
 from footopt.effects import Slope
-from footopt.walk.balances import energy_gap
+from footopt.walk.checks import energy_gap
 
 
 class TestSlope:

@@ -77,7 +77,7 @@ class TestTheRobot:
         walk = fo.simulate(fo.Foot.from_waypoints(SOLES[0], SPACE), biped, fo.Accuracy(dt=2e-3))
         index = np.flatnonzero(walk.force[:, 0, 1] > 100.0)[::25]
         np.testing.assert_allclose(
-            walk.plates(index).total[:, 0], walk.force[index, 0], atol=0.05 * biped.weight
+            walk.plates(index).force.sum(axis=2)[:, 0], walk.force[index, 0], atol=0.05 * biped.weight
         )
         np.testing.assert_allclose(walk.legs(walk.t[index])[:, :, -1], walk.joints[index, :, -1])
 

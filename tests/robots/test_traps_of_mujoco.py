@@ -73,7 +73,7 @@ def test_what_cannot_be_attached_is_said():
         (model, model, {"world": fo.Foot.flat()}, {}, "feet"),
         (model, model, {"hand": fo.Foot.flat()}, {}, "hand"),
         (model, model, {}, {}, "feet"),
-        (model, model, {"foot": "sole"}, {}, "mesh geom"),
+        (model, model, {"foot": "sole"}, {}, "of type Foot"),
         (model, model, flat, {"effects": (fo.Slope(5.0),)}, "gravity"),
         (model, model, flat, {"plates": 7}, "even"),
     ):

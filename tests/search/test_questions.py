@@ -9,8 +9,8 @@ from searching import QUICK, SMALL, problem
 
 import footopt as fo
 from footopt.design import Choice, confirm, search
+from footopt.walk.checks import diagnose
 from footopt.walk.objectives import MEASURES, SLOW, measure
-from footopt.walk.validity import diagnose
 
 
 @pytest.fixture(scope="module")

@@ -30,7 +30,7 @@ class TestRig:
             mine = rig.body(foot, fo.Scene(fo.Sand(0.6), effects=effects), 64)(
                 place, velocity, np.array([rate])
             )[0]
-            plates, pose = foot.plates(64, "chord", directed=True), pose_of(height, 0.0, rate)
+            plates, pose = foot.plates(64, "chord"), pose_of(height, 0.0, rate)
             walked = force(plates, pose, vx, vz, *effects, zeta=0.6, creep=rig.CREEP)
             np.testing.assert_allclose(mine, walked, rtol=1e-9, atol=1e-9)
 

@@ -7,8 +7,8 @@ import pytest
 from random_scenes import judge
 
 import footopt as fo
+from footopt.walk.checks import diagnose
 from footopt.walk.resolution import estimate_error
-from footopt.walk.validity import diagnose
 
 
 def soles(n=11, count=2):

@@ -14,7 +14,6 @@ from numba import njit
 
 import footopt as fo
 from footopt.compiled import FAST
-from footopt.effects import laws
 from footopt.effects.dual import placed, positive
 from footopt.walk.contact import direction, foot_force, kinematics, resistance
 from footopt.walk.discretize import sole_of
@@ -48,10 +47,10 @@ def whole_force(world, part, ankle, stage):
 def operations(compiled, *on):
     """How often each floating-point operation is in a function's optimised form; and what it returns."""
     scene = fo.Scene(effects=on)
-    plates = fo.Foot.from_waypoints([3, 5] * 5 + [3]).plates(64, directed=laws(scene.effects).directed)
+    plates = fo.Foot.from_waypoints([3, 5] * 5 + [3]).plates(64)
     ankle = Ankle(0.1, -0.1, 0.3, -0.2, math.cos(0.1), math.sin(0.1), 0.5)
     sole = sole_of(plates)
-    part = plates_between(sole, sole.directed, 0, sole.plates.shape[1])
+    part = plates_between(sole, True if on else None, 0, sole.plates.shape[1])
     arguments = scene.constants(fo.Accuracy()), part, ankle, 1e-3
     result = compiled(*arguments)
     *_, text = compiled.inspect_llvm().values()
@@ -77,7 +76,7 @@ class TestNothingForNothing:
         self, on, foot, height, pitch, rate, vx, vz
     ):
         """Blocks from the first to the last whose circle reaches below the surface; a foot above, none."""
-        plates = foot.plates(100, directed=True)
+        plates = foot.plates(100)
         low = height + math.sin(pitch) * plates.x[0] + math.cos(pitch) * plates.z[0]
         in_sand = np.flatnonzero(low < 0.0) // LANES
         found, counts = feel(plates, pose_of(height, pitch, rate), vx, vz, *on)

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 import footopt as fo
-from footopt.walk.discretize import HALVINGS, NEWTON, time_grid
-from footopt.walk.phases import step_on_patch
-from footopt.walk.validity import diagnose
+from footopt.walk.checks import diagnose
+from footopt.walk.discretize import HALVINGS, time_grid
+from footopt.walk.newton import NEWTON
+from footopt.walk.results import step_on_patch
 
 
 class TestFailures:
@@ -48,7 +49,7 @@ class TestFailures:
     LONG = fo.Accuracy("explicit_euler", 0.01)
 
     def test_an_explicit_step_too_long_for_a_light_walker_diverges(self, flat_foot, monkeypatch):
-        monkeypatch.setattr(sys.modules["footopt.walk.batch"], "MAX_REPEATS", 0)
+        monkeypatch.setattr(sys.modules["footopt.walk.loop"], "MAX_REPEATS", 0)
         walk = fo.simulate(flat_foot, self.LIGHT, self.LONG)
         assert walk.reason == "diverged"
         assert all(math.isnan(value) for value in walk.objectives.values())

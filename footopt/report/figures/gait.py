@@ -4,8 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from footopt.files.strides import Strides
-from footopt.gait import Gait
-from footopt.gait.gait import ankle
+from footopt.gait import Gait, ankle
 from footopt.report import style
 from footopt.report.style import Axes
 from footopt.walk import Walker

@@ -7,7 +7,7 @@ from matplotlib.ticker import MaxNLocator
 from footopt.report import style
 from footopt.report.stage import ARROWS, Stage, draw_ground, draw_key
 from footopt.walk import Walk
-from footopt.walk.phases import stance, step_on_patch
+from footopt.walk.results import stance, step_on_patch
 
 ROWS, COLUMNS = 2, 3  # of snapshots
 LONGEST = 0.07  # arrow, m
@@ -19,7 +19,7 @@ def step(walk: Walk) -> Figure:
     """The right foot's first step, or the first one on a patch of other sand: the sole and its forces.
 
     Snapshots are at equal intervals of time. Each arrow is the force on one of `stage.ARROWS` parts of the
-    sole and ends there. The walk needs a `footopt.walk.phases.stance`.
+    sole and ends there. The walk needs a `footopt.walk.results.stance`.
     """
     contact = stance(walk, step_on_patch(walk))
     assert contact is not None

@@ -8,19 +8,18 @@ from footopt.effects import name_of
 from footopt.foot import Foot, Waypoints
 from footopt.foot.plates import CORNER, RULES
 from footopt.foot.waypoints import FINE, slope_matrix
-from footopt.gait import start
+from footopt.gait import STANDING
 from footopt.report.page.file import packed
 from footopt.report.stage import ARROWS
 from footopt.sand.law import EARTH, PER_CM3
-from footopt.walk import Accuracy, Scene, discretize, newton, turning
+from footopt.walk import Accuracy, Scene, discretize, newton
 from footopt.walk.accuracy import AnyAccuracy
-from footopt.walk.batch import MAX_REPEATS
+from footopt.walk.checks import WHY
 from footopt.walk.contact import BENT, EXPOSED, TURN
 from footopt.walk.ladder import numerics
-from footopt.walk.loop import NEAR_PEAK, PEAK
+from footopt.walk.loop import MAX_REPEATS, NEAR_PEAK, PEAK
 from footopt.walk.objectives import FLOORS
 from footopt.walk.steppers import STEPPERS
-from footopt.walk.validity import WHY
 
 STEPPER = "sdirk2"
 ROWS = 200_000  # poses, at most, of a walk that a browser is to tabulate: 22 MB
@@ -55,7 +54,7 @@ def physics(
             "pitch": None if foot_pitch is None else foot_pitch._asdict(),
             "start": gait.start,
             "period": gait.period,
-            "standing": start.STANDING,
+            "standing": STANDING,
         },
         "end": scene.duration,
         "strike": gait.heel_strike,
@@ -65,10 +64,10 @@ def physics(
             "gamma": STEPPERS[STEPPER].parameters.gamma,
             "rest": discretize.REST,
             "halvings": discretize.HALVINGS,
-            "newton": discretize.NEWTON,
+            "newton": newton.NEWTON,
             "most": newton.MAX_NEWTON,
             "most_halvings": newton.HALVINGS,
-            "inside": turning.INSIDE,
+            "inside": newton.INSIDE,
             "gated": newton.SMOOTH_STEP,
             "turn": TURN,
             "exposed": EXPOSED,

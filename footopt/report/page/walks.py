@@ -20,7 +20,7 @@ from footopt.report.terminal import describe_confirmation, describe_few, describ
 from footopt.sand.law import EARTH
 from footopt.walk import MEASURES, Scene, Walk
 from footopt.walk.accuracy import AnyAccuracy
-from footopt.walk.phases import step_on_patch
+from footopt.walk.results import step_on_patch
 
 FRAMES = 250  # samples of a walk's forces along the sole
 SAMPLES = 4  # of its other traces, at most, for each of them

@@ -14,10 +14,10 @@ import numpy as np
 
 from footopt.arrays import Array
 from footopt.foot import SHAPES, Foot
-from footopt.gait.gait import RIGHT
+from footopt.gait import RIGHT
 from footopt.studies.paper.walks import SANDS, switch_losses
 from footopt.walk import Walk
-from footopt.walk.phases import LEAST_FORCE, stance
+from footopt.walk.results import LEAST_FORCE, stance
 
 Numbers = Mapping[str, Any]  # of a walk, by name; NaN where it failed
 Walks = Mapping[str, Numbers]  # of the walks of `evidence`, by their names

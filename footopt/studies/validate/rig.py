@@ -16,9 +16,9 @@ from footopt.arrays import Array
 from footopt.effects import reshaping
 from footopt.effects.base import parameters
 from footopt.foot import Foot
-from footopt.gait.gait import Pose
-from footopt.mujoco.intrusion import Grains
+from footopt.gait import Pose
 from footopt.sand import Sand
+from footopt.sand.law import EARTH, PER_CM3
 from footopt.walk import Accuracy, Scene, Walk, simulate
 from footopt.walk.plates import plate_states
 
@@ -35,7 +35,7 @@ DOWN = (0.0, -1.0)
 
 def body(foot: Foot, scene: Scene, plates: int) -> Body:
     """Cut a body into plates, and return its force in a scene."""
-    cut = foot.plates(plates, "chord", directed=True, fill=reshaping(scene.effects))
+    cut = foot.plates(plates, "chord", reshaping(scene.effects))
     constants = scene.constants(Accuracy())
 
     def force(height: Array, velocity: ArrayLike, rate: ArrayLike = 0.0, pitch: ArrayLike = 0.0) -> Array:
@@ -129,9 +129,10 @@ def growth(setup: Values, inputs: Values, scene: Scene, fine: bool) -> dict[str,
 
 
 def friction(setup: Values, inputs: Values, scene: Scene, fine: bool) -> dict[str, Array]:
-    """zeta from density and angle of friction by 3D-RFT."""
-    grains = zip(inputs["density"], np.tan(np.radians(inputs["angle"])), strict=True)
-    return {"zeta": np.array([Grains(density, mu).sand.zeta for density, mu in grains])}
+    """zeta from density and angle of friction by 3D-RFT: .87574 xi is the stress under a level plate."""
+    mu = np.tan(np.radians(inputs["angle"]))
+    xi = inputs["density"] * EARTH * (894.0 * mu**3 - 386.0 * mu**2 + 89.0 * mu)
+    return {"zeta": 0.87574 * xi / PER_CM3}
 
 
 def drag(setup: Values, inputs: Values, scene: Scene, fine: bool) -> dict[str, Any]:

@@ -14,14 +14,7 @@ All are stable against the smoothed law only for dt < 2 eps / g (2.8 eps / g of 
 from typing import NamedTuple
 
 from footopt.walk.state import moved
-from footopt.walk.steppers.base import (
-    STEPPERS,
-    Stepper,
-    acceleration,
-    accumulate,
-    explicit_contact,
-    finish_step,
-)
+from footopt.walk.steppers import STEPPERS, Stepper, acceleration, accumulate, explicit_contact, finish_step
 
 
 class Tableau(NamedTuple):
@@ -57,17 +50,16 @@ class SemiImplicitEuler(NamedTuple):
         return finish_step(world, sole, poses[0], end, sums, state.bristles, h, counts)
 
 
-def runge_kutta(c: tuple[float, ...], b: tuple[float, ...], order: int, source: str) -> Stepper:
+def runge_kutta(c: tuple[float, ...], b: tuple[float, ...]) -> Stepper:
     """The stepper of a tableau."""
     nodes = tuple(sorted({*c[1:], 1.0}))
     pose = (0, *map(nodes.index, c[1:]))
-    return Stepper(Tableau(c, b, pose), nodes, order, source=source)
+    return Stepper(Tableau(c, b, pose), nodes)
 
 
-STEPPERS["explicit_euler"] = runge_kutta((0.0,), (1.0,), 1, "the paper's eq. 6")
-SYMPLECTIC = "Hairer, Lubich & Wanner, Geometric Numerical Integration, 2006, I.1.2"
-STEPPERS["semi_implicit_euler"] = Stepper(SemiImplicitEuler(), (1.0,), 1, source=SYMPLECTIC)
-STEPPERS["heun"] = runge_kutta((0.0, 1.0), (0.5, 0.5), 2, "Hairer, Norsett & Wanner, ODEs I, 1993, II.1")
-STEPPERS["rk4"] = runge_kutta(
-    (0.0, 0.5, 0.5, 1.0), (1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0), 4, "Kutta, Z. Math. Phys. 46, 1901"
-)
+STEPPERS["explicit_euler"] = runge_kutta((0.0,), (1.0,))  # the paper's eq. 6
+# Hairer, Lubich & Wanner, Geometric Numerical Integration, 2006, I.1.2
+STEPPERS["semi_implicit_euler"] = Stepper(SemiImplicitEuler(), (1.0,))
+STEPPERS["heun"] = runge_kutta((0.0, 1.0), (0.5, 0.5))  # Hairer, Norsett & Wanner, ODEs I, 1993, II.1
+# Kutta, Z. Math. Phys. 46, 1901
+STEPPERS["rk4"] = runge_kutta((0.0, 0.5, 0.5, 1.0), (1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0))

@@ -9,10 +9,10 @@
 import math
 from typing import NamedTuple
 
-from footopt.walk.bristles import StageBristles, next_step
+from footopt.walk.bristles import bend, next_step
 from footopt.walk.newton import solve_stage
 from footopt.walk.state import State, moved
-from footopt.walk.steppers.base import STEPPERS, Stepper, acceleration, accumulate
+from footopt.walk.steppers import STEPPERS, Stepper, acceleration, accumulate
 
 
 class ImplicitEuler(NamedTuple):
@@ -22,10 +22,11 @@ class ImplicitEuler(NamedTuple):
         """One implicit stage, the end of the step."""
         start, (ax, az) = state.hip, acceleration(world, state.contact)
         gx, gz = start.vx + h * ax, start.vz + h * az
-        whole = StageBristles(state.bristles.h_n, state.bristles.h_next, 1.0)
-        end = solve_stage(world, sole, poses[0], start, h, gx, gz, whole, state.contact.turning, counts)
+        bristles, turning = state.bristles, state.contact.turning
+        end = solve_stage(world, sole, poses[0], start, h, gx, gz, bristles.h_n, turning, counts)
+        bend(bristles.h_n, bristles.h_next, 1.0, world, sole, poses[0], end.hip, h)
         sums = accumulate(state.integrals, h, end.hip, end.contact)
-        return State(end.hip, end.contact, sums, next_step(state.bristles), end.solved)
+        return State(end.hip, end.contact, sums, next_step(bristles), end.solved)
 
 
 class SDIRK2(NamedTuple):
@@ -41,13 +42,14 @@ class SDIRK2(NamedTuple):
         gx, gz = start.vx + c * ax, start.vz + c * az
         for i in range(2):  # one copy of the stage: what is written twice is compiled twice
             if i == 0:  # the second stage begins on the first one's slope, r / c of its way from the start
-                bristles = StageBristles(state.bristles.h_n, state.bristles.h_stage, r / c)
+                before, after, part = state.bristles.h_n, state.bristles.h_stage, r / c
             else:
-                bristles = StageBristles(state.bristles.h_stage, state.bristles.h_next, 1.0)
-            end = solve_stage(world, sole, poses[i], start, c, gx, gz, bristles, at.turning, counts)
+                before, after, part = state.bristles.h_stage, state.bristles.h_next, 1.0
+            end = solve_stage(world, sole, poses[i], start, c, gx, gz, before, at.turning, counts)
             hip, at, solved = end.hip, end.contact, end.solved
             if not solved:
                 break
+            bend(before, after, part, world, sole, poses[i], hip, c)
             sums = accumulate(sums, r if i == 0 else c, hip, at)
             bx, bz = acceleration(world, at)
             start = moved(start, r, hip.vx, hip.vz, bx, bz)
@@ -56,9 +58,7 @@ class SDIRK2(NamedTuple):
         return State(hip, at, sums, next_step(state.bristles), solved)
 
 
-STEPPERS["implicit_euler"] = Stepper(
-    ImplicitEuler(), (1.0,), 1, implicit=True, source="Hairer & Wanner, ODEs II, 1996, IV.3"
-)
-STEPPERS["sdirk2"] = Stepper(
-    SDIRK2(), (SDIRK2().gamma, 1.0), 2, implicit=True, source="Alexander, SIAM J. Numer. Anal. 14, 1977"
-)
+# Hairer & Wanner, ODEs II, 1996, IV.3
+STEPPERS["implicit_euler"] = Stepper(ImplicitEuler(), (1.0,), implicit=True)
+# Alexander, SIAM J. Numer. Anal. 14, 1977
+STEPPERS["sdirk2"] = Stepper(SDIRK2(), (SDIRK2().gamma, 1.0), implicit=True)
