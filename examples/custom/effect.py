@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import footopt as fo
-from footopt.effects import EFFECTS, Effect
+from footopt.effects import Effect
 from footopt.effects.dual import clipped, exp
 
 
@@ -21,7 +21,7 @@ class FloorLaw(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Floor(Effect):
+class Floor(Effect, name="floor"):
     depth: float = 0.10
     length: float = 0.01
 
@@ -29,8 +29,6 @@ class Floor(Effect):
     def law(self):
         return FloorLaw(self.depth, self.length)
 
-
-EFFECTS["floor"] = Floor
 
 if __name__ == "__main__":
     for found in ((), (Floor(0.10),), (Floor(0.05),)):

@@ -13,9 +13,10 @@ with one or more of three methods, which are compiled into the loop over plates:
 
 The force on a plate of area dA is then zeta load share (a - M h) dA - push n dA. Their arguments
 are numbers with their derivatives (`footopt.effects.dual`), so that they give theirs: write them with + - * /
-and that module's functions. A new effect is a file beside this one, or a user's own: a law, a dataclass, and
-an entry in `EFFECTS` by which settings find it. Every parameter has a default, and a numpydoc section
-*Parameters* is its help. A push is called for plates in the air, too, and has to be 0 at a depth of 0.
+and that module's functions. A new effect is a file beside this one, or a user's own: a law, and a dataclass
+with a name by which settings find it, ``class Mine(Effect, name="mine")``. Every parameter has a default, and
+a numpydoc section *Parameters* is its help. A push is called for plates in the air, too, and has to be 0 at a
+depth of 0.
 """
 
 from __future__ import annotations
@@ -59,6 +60,10 @@ def check_factors(setting: str, factors: Sequence[float], count: int, allowed: s
     check(good, setting, list(factors), allowed)
 
 
+#: Effects by the names that settings give them, in the order in which they act.
+EFFECTS: dict[str, type[Any]] = {}
+
+
 class Effect:
     """A walk's questions to an effect; the answers here are those of an effect that changes nothing.
 
@@ -76,6 +81,10 @@ class Effect:
     zones: Any = ()
     strata: Any = ()
 
+    def __init_subclass__(cls, name: str = "") -> None:
+        if name:
+            EFFECTS[name] = cls
+
     def gravity(self, g: float) -> tuple[float, float]:
         """Gravity along the surface (negative uphill) and against its normal, m/s^2, from g."""
         return 0.0, g
@@ -83,10 +92,6 @@ class Effect:
     def reshape(self, points: Array) -> Array:
         """Soles (designs, points, 2), m, as plates are to be cut from them."""
         return points
-
-
-#: Effects by the names that settings give them, in the order in which they act.
-EFFECTS: dict[str, type[Any]] = {}
 
 
 def name_of(effect: Effect) -> str:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from footopt.effects.base import EFFECTS, Effect
+from footopt.effects.base import Effect
 from footopt.effects.dual import clipped, positive
 from footopt.errors import check
 
@@ -23,7 +23,7 @@ class InertiaLaw(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Inertia(Effect):
+class Inertia(Effect, name="inertia"):
     """The sand that a leading face throws aside: a traction -n lambda rho (n.v)^2 for n.v > 0.
 
     Source: dynamic RFT, Agarwal, Karsai, Goldman & Kamrin, Science Advances 7 (2021). Range: their drag
@@ -55,6 +55,3 @@ class Inertia(Effect):
     def law(self) -> InertiaLaw:
         """lambda rho."""
         return InertiaLaw(self.factor * self.rho)
-
-
-EFFECTS["inertia"] = Inertia

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from footopt.arrays import Array
-from footopt.effects.base import EFFECTS, MOST, Effect, as_floats, check_factors, numbers
+from footopt.effects.base import MOST, Effect, as_floats, check_factors, numbers
 from footopt.effects.dual import positive
 from footopt.errors import check
 
@@ -27,7 +27,7 @@ class LayersLaw(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Layers(Effect):
+class Layers(Effect, name="layers"):
     """Layers: the stress is the integral of zeta over depth, so that it is continuous at an interface.
 
     The first layer, from the surface to the first interface, is the scene's sand. With one sand the
@@ -69,6 +69,3 @@ class Layers(Effect):
     def strata(self) -> tuple[tuple[float, float, float], ...]:
         """Each layer below the first."""
         return tuple(zip(self.depths, (*self.depths[1:], math.inf), self.factors, strict=True))
-
-
-EFFECTS["layers"] = Layers

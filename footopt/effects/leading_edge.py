@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from footopt.effects.base import EFFECTS, Effect
+from footopt.effects.base import Effect
 from footopt.effects.dual import smooth_step
 
 
@@ -16,7 +16,7 @@ class LeadingEdgeLaw(NamedTuple):
 
 
 @dataclass(frozen=True)
-class LeadingEdge(Effect):
+class LeadingEdge(Effect, name="leading_edge"):
     """Only faces that lead, n.v > 0, feel sand: what trails leaves a gap behind and is not pulled.
 
     Smoothed over the speeds along the normal that a plate holds (`footopt.walk.contact`), at least the creep
@@ -29,6 +29,3 @@ class LeadingEdge(Effect):
 
     law = LeadingEdgeLaw()
     literature, plausible, in_page = True, True, True
-
-
-EFFECTS["leading_edge"] = LeadingEdge

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from footopt.arrays import Array
-from footopt.effects.base import EFFECTS, MOST, Effect, as_floats, check_factors, numbers
+from footopt.effects.base import MOST, Effect, as_floats, check_factors, numbers
 from footopt.effects.dual import clipped
 from footopt.errors import check
 
@@ -31,7 +31,7 @@ class PatchesLaw(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Patches(Effect):
+class Patches(Effect, name="patches"):
     """Patches along the way: zeta changes with x, smoothly over a stated length.
 
     Source: footopt's own. Range: a plate feels the sand under itself only, so that a patch must be longer
@@ -83,6 +83,3 @@ class Patches(Effect):
     def zones(self) -> tuple[tuple[float, float, float], ...]:
         """Each patch."""
         return tuple(zip(self.begins, self.ends, self.factors, strict=True))
-
-
-EFFECTS["patches"] = Patches

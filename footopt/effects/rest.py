@@ -2,12 +2,12 @@
 
 from dataclasses import dataclass
 
-from footopt.effects.base import BRISTLE_LENGTH, EFFECTS, Effect
+from footopt.effects.base import BRISTLE_LENGTH, Effect
 from footopt.errors import check
 
 
 @dataclass(frozen=True)
-class Rest(Effect):
+class Rest(Effect, name="rest"):
     """Friction with memory: a walker that stands stays, and its first instant carries its weight.
 
     The direction h of a plate in the sand follows its motion over a length delta, damped, and stays in the
@@ -41,6 +41,3 @@ class Rest(Effect):
     def bristle_length(self) -> float:
         """delta, m."""
         return float(self.length)
-
-
-EFFECTS["rest"] = Rest

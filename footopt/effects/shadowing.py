@@ -6,12 +6,12 @@ import numpy as np
 
 from footopt.arrays import Array
 from footopt.compiled import cached_njit
-from footopt.effects.base import EFFECTS, Effect
+from footopt.effects.base import Effect
 from footopt.errors import check
 
 
 @dataclass(frozen=True)
-class Shadowing(Effect):
+class Shadowing(Effect, name="shadowing"):
     """A groove counts with a part of its depth: the sole comes nearer to its lower convex hull.
 
     Each point of the sole is moved straight down, in the foot frame, until its gap to the convex hull is
@@ -80,6 +80,3 @@ def filled(points, effective):
             if gap > 1e-12:  # a convex sole keeps its last bit
                 out[d, i, 1] = z[i] - (1.0 - effective) * gap
     return out
-
-
-EFFECTS["shadowing"] = Shadowing

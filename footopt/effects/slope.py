@@ -3,12 +3,12 @@
 import math
 from dataclasses import dataclass
 
-from footopt.effects.base import EFFECTS, Effect
+from footopt.effects.base import Effect
 from footopt.errors import check
 
 
 @dataclass(frozen=True)
-class Slope(Effect):
+class Slope(Effect, name="slope"):
     """A plane inclined by an angle, uphill positive.
 
     x runs along the surface, z along its normal, and so do depth, angles of the gait, distance and
@@ -37,6 +37,3 @@ class Slope(Effect):
         """-g sin(angle) along the plane, g cos(angle) against its normal."""
         angle = math.radians(self.angle)
         return -g * math.sin(angle), g * math.cos(angle)
-
-
-EFFECTS["slope"] = Slope

@@ -33,8 +33,8 @@ from footopt.studies.laws import Laws, evaluated
 from footopt.studies.runs import Study
 from footopt.studies.simulate import check_files, judged, write_film, write_walk
 from footopt.walk import MEASURES, Accuracy, Walk, gain_shares, simulate
-from footopt.walk.ladder import SHARE, ladder, numerics
 from footopt.walk.checks import Diagnostic
+from footopt.walk.ladder import SHARE, ladder, numerics
 
 LEADERS = 4  # best soles of an enumerated space that are drawn in one frame
 
