@@ -5,7 +5,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from footopt.arrays import Array, Ints
+from footopt.arrays import Array
 from footopt.compiled import cached_njit
 
 Fill = Callable[[Array], Array]  # what an effect makes of soles (designs, points, 2), m
@@ -50,10 +50,6 @@ class Plates(NamedTuple):
             np.concatenate(column, axis=1) for column in zip(*cuts, strict=True)
         )
         return cls(x - ankle[:, :1], z - ankle[:, 1:], c2, s2, length * width[:, None], tx, tz, turn, span)
-
-    def take(self, index: slice | Ints) -> Self:
-        """The plates of some of the designs."""
-        return type(self)._make(np.ascontiguousarray(column[index]) for column in self)
 
 
 @cached_njit(nogil=True, error_model="numpy")

@@ -64,14 +64,10 @@ class Model:
         _ = made.height_address  # names what it lacks
         return made
 
-    def at(self, dt: float) -> Any:
-        """It with a time step, s."""
-        return _at(self, dt)[0]
-
     @contextmanager
     def data(self, dt: float) -> Iterator[tuple[Any, Any]]:
         """It with a time step, and data that may have been used: making them takes a twentieth of a walk."""
-        model, unused = _at(self, dt)
+        model, unused = with_step(self, dt)
         try:
             data = unused.pop()
         except IndexError:
@@ -148,7 +144,7 @@ def moments(foot: Foot) -> tuple[float, tuple[float, float], tuple[float, float,
 
 
 @lru_cache(maxsize=16)
-def _at(model: Model, dt: float) -> tuple[Any, list[Any]]:
+def with_step(model: Model, dt: float) -> tuple[Any, list[Any]]:
     """A copy with a time step, and data of it that nobody uses."""
     found = copy.copy(model.compiled)
     found.opt.timestep = dt

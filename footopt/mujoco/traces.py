@@ -15,6 +15,7 @@ from footopt.arrays import Array
 from footopt.errors import needed
 from footopt.foot import Foot
 from footopt.gait import Pose
+from footopt.mujoco.model import with_step
 from footopt.mujoco.walking import AXES, Found
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.results import Walk
@@ -106,7 +107,7 @@ def traced(robot: Any, foot: Foot, accuracy: Accuracy, found: Found) -> RobotWal
 def poses(robot: Any, dt: float, states: Array) -> tuple[Array, Array]:
     """Places of the bodies of each leg, and the feet's pitch, after each step."""
     mujoco = needed("mujoco", "fo.mujoco.Robot", "mujoco")
-    model, chains = robot.model.at(dt), robot.model.chains()
+    (model, _), chains = with_step(robot.model, dt), robot.model.chains()
     data, long = mujoco.MjData(model), max(map(len, chains))
     joints = np.empty((len(states), len(chains), long, 2))
     turned = np.empty((len(states), len(chains)))

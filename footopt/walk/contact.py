@@ -11,7 +11,7 @@ An argument that is None is not compiled: stage, bristles, tangents, and effects
 A foot's sum depends on nothing but that foot: results do not change with the batch or the number of threads.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -40,16 +40,6 @@ class Direction(NamedTuple):
     z: float
     rate: float  # s/m
     slides: float  # 1 for a plate that slides, 0 for one that bristles hold
-
-
-class PlateForce(NamedTuple):
-    """A plate in the sand, and the force on it."""
-
-    x: Any  # N, a `Dual` in an implicit stage
-    z: Any
-    motion: Motion
-    normal_x: float  # outward, a unit vector; 0 for plates without a tangent
-    normal_z: float
 
 
 @inlined_fast
@@ -146,7 +136,8 @@ def lead(tangent, i, motion, nx, nz, h, turning_speed, within, h0, stage):
 def plate_force(law, acting, part, i, ankle, turning_speed, stage, h0):
     """The force on plate i of a foot, with the effects of a scene; arguments as in `foot_force`.
 
-    zeta load share (a - M h) dA - pressure n dA, and its motion.
+    zeta load share (a - M h) dA - pressure n dA, N in x and z, each a `Dual` in an implicit stage; the
+    plate's motion; and its outward normal in x and z, 0 without a tangent.
     """
     area = part.area[i]
     motion = kinematics(ankle, part.x[i], part.z[i])
@@ -165,7 +156,7 @@ def plate_force(law, acting, part, i, ankle, turning_speed, stage, h0):
     if acting.pushes is not None:  # without one nothing is to be computed that could be NaN
         push = area * effects.push(acting.pushes, vn, depth)
         fx, fz = fx - push * nx, fz - push * nz
-    return PlateForce(fx, fz, motion, nx, nz)
+    return fx, fz, motion, nx, nz
 
 
 @inlined_fast
@@ -177,14 +168,14 @@ def foot_force(law, acting, part, ankle, turning_speed, stage, h0):
     """
     x = z = power = xx = xz = zx = zz = 0.0
     for i in range(len(part.x)):
-        f = plate_force(law, acting, part, i, ankle, turning_speed, stage, h0)
-        x += value(f.x)
-        z += value(f.z)
-        power += value(f.x) * f.motion.vx + value(f.z) * f.motion.vz  # eq. 7
-        xx += lift(f.x).dx
-        xz += lift(f.x).dz
-        zx += lift(f.z).dx
-        zz += lift(f.z).dz
+        fx, fz, motion, _, _ = plate_force(law, acting, part, i, ankle, turning_speed, stage, h0)
+        x += value(fx)
+        z += value(fz)
+        power += value(fx) * motion.vx + value(fz) * motion.vz  # eq. 7
+        xx += lift(fx).dx
+        xz += lift(fx).dz
+        zx += lift(fz).dx
+        zz += lift(fz).dz
     return Force(x, z, power, xx, xz, zx, zz)
 
 

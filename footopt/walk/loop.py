@@ -203,7 +203,7 @@ def walk_batch(
     finer = replace(accuracy, dt=accuracy.dt / 4)
     if discretize.too_many_poses(path, finer):
         return out
-    some = plates.take(again)
+    some = Plates._make(np.ascontiguousarray(column[again]) for column in plates)
     shorter = walk_batch(some, path, world, finer, sink, threads, traced, repeat + 1)
     out.raw[again], out.status[again] = shorter.raw, shorter.status
     for name in COUNTS.names or ():

@@ -23,14 +23,6 @@ INSIDE = 0.999  # |w| at most; beyond it a foot slides, and steps are those of t
 SMOOTH_STEP = 2.0  # largest last step over the turning speed, where a foot turns over or an effect has a gate
 
 
-class Stage(NamedTuple):
-    """The end of an implicit stage."""
-
-    hip: Motion
-    contact: Contact
-    solved: bool
-
-
 @inlined
 def solve_stage(world, sole, poses, start, c, vx, vz, h0, turning, counts):
     """Velocity V of an implicit stage: V = v0 + c a(r0 + c V, V), by Newton's method.
@@ -40,11 +32,12 @@ def solve_stage(world, sole, poses, start, c, vx, vz, h0, turning, counts):
     so that its momentum balance closes to rounding.
 
     Where a step makes the residual larger, a foot has turned its direction of motion over. Newton's method
-    goes on half-way in that foot's direction w, and its steps are those of w, halved
-    until they make the residual smaller.
+    goes on half-way in that foot's direction w, and its steps are those of w, halved until they make the
+    residual smaller.
 
     start: r0, m, and v0, m/s. c: the stage's coefficient times the time step, s. vx, vz: the guess, m/s.
-    turning: of the stage before. The others are as in `contact`.
+    turning: of the stage before. The others are as in `contact`. Returns the hip's motion and the contact at
+    the stage's end, and whether it is solved.
     """
     inv = c / world.mass
     turning_speed = turning_speed_of(world.bristle_length, world, c)
@@ -63,7 +56,7 @@ def solve_stage(world, sole, poses, start, c, vx, vz, h0, turning, counts):
                 vx, vz = vx + dvx, vz + dvz
                 end = Motion(start.x + c * vx, start.z + c * vz, vx, vz)
                 left, right = _extrapolated(at.left, dvx, dvz), _extrapolated(at.right, dvx, dvz)
-                return Stage(end, Contact(left, right, ended(plate, vx, vz)), True)
+                return end, Contact(left, right, ended(plate, vx, vz)), True
             vx, vz = stepped(plate, vx, vz, dvx, dvz, h0)
         elif plate.foot == NO_FOOT:
             plate = turning_plate(sole, poses, hip, best_vx, best_vz, turning_speed, h0)
@@ -74,7 +67,7 @@ def solve_stage(world, sole, poses, start, c, vx, vz, h0, turning, counts):
             vx, vz = stepped(plate, best_vx, best_vz, dvx, dvz, h0)
         else:
             break
-    return Stage(start, ALOFT, False)
+    return start, ALOFT, False
 
 
 @inlined

@@ -69,13 +69,12 @@ def each_plate(
 
     poses: (M, feet, 7). hip: (M, 4), its place and velocity. h0: bristles (M times feet, 2, plates), or None.
     """
-    part = plates_between(sole, True, 0, sole.plates.shape[1])
+    law, acting, part = world.law, world.effects, plates_between(sole, True, 0, sole.plates.shape[1])
     for m in range(len(hip)):
         moving = Motion(hip[m, 0], hip[m, 1], hip[m, 2], hip[m, 3])
         for foot in range(poses.shape[1]):
             ankle = in_world(ankle_of(poses[m], foot), moving)
             bristles = bristles_between(h0, m * poses.shape[1] + foot, 0, len(part.x))
             for i in range(len(part.x)):
-                f = plate_force(world.law, world.effects, part, i, ankle, turning_speed, None, bristles)
-                at = f.motion
-                write(out[m, foot, i], (at.x, at.z, at.vx, at.vz, f.x, f.z, f.normal_x, f.normal_z))
+                x, z, at, nx, nz = plate_force(law, acting, part, i, ankle, turning_speed, None, bristles)
+                write(out[m, foot, i], (at.x, at.z, at.vx, at.vz, x, z, nx, nz))

@@ -22,11 +22,10 @@ class ImplicitEuler(NamedTuple):
         """One implicit stage, the end of the step."""
         start, (ax, az) = state.hip, acceleration(world, state.contact)
         gx, gz = start.vx + h * ax, start.vz + h * az
-        bristles, turning = state.bristles, state.contact.turning
-        end = solve_stage(world, sole, poses[0], start, h, gx, gz, bristles.h_n, turning, counts)
-        bend(bristles.h_n, bristles.h_next, 1.0, world, sole, poses[0], end.hip, h)
-        sums = accumulate(state.integrals, h, end.hip, end.contact)
-        return State(end.hip, end.contact, sums, next_step(bristles), end.solved)
+        b, turning = state.bristles, state.contact.turning
+        hip, at, solved = solve_stage(world, sole, poses[0], start, h, gx, gz, b.h_n, turning, counts)
+        bend(b.h_n, b.h_next, 1.0, world, sole, poses[0], hip, h)
+        return State(hip, at, accumulate(state.integrals, h, hip, at), next_step(b), solved)
 
 
 class SDIRK2(NamedTuple):
@@ -45,8 +44,8 @@ class SDIRK2(NamedTuple):
                 before, after, part = state.bristles.h_n, state.bristles.h_stage, r / c
             else:
                 before, after, part = state.bristles.h_stage, state.bristles.h_next, 1.0
-            end = solve_stage(world, sole, poses[i], start, c, gx, gz, before, at.turning, counts)
-            hip, at, solved = end.hip, end.contact, end.solved
+            stage = solve_stage(world, sole, poses[i], start, c, gx, gz, before, at.turning, counts)
+            hip, at, solved = stage
             if not solved:
                 break
             bend(before, after, part, world, sole, poses[i], hip, c)
