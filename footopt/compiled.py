@@ -39,7 +39,7 @@ inlined_fast = register_jitable(fastmath=FAST, **INLINE)
 called_fast = register_jitable(fastmath=FAST, _nrt=False, **{**INLINE, "forceinline": False})
 
 
-def unless_none(function: Callable[..., Any]) -> Callable[..., Any]:
+def unless_none(function: Callable[..., Any], **options: Any) -> Callable[..., Any]:
     """A function, compiled inline, that is None wherever its first argument is None.
 
     numba leaves out a branch on None where there is None, not where there is something else: the result of a
@@ -52,7 +52,7 @@ def unless_none(function: Callable[..., Any]) -> Callable[..., Any]:
     def resolve(*arguments: Any) -> Any:
         return (lambda *arguments: None) if isinstance(arguments[0], types.NoneType) else function
 
-    overload(given, strict=False, jit_options=INLINE)(resolve)
+    overload(given, strict=False, jit_options=INLINE | options)(resolve)
     return given
 
 

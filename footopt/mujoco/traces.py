@@ -19,7 +19,6 @@ from footopt.mujoco.model import with_step
 from footopt.mujoco.walking import AXES, Found
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.results import Walk
-from footopt.walk.scene import Scene
 
 WIDE, ASIDE = 800, 90.0  # pixels; degrees: along y, with x to the right
 
@@ -52,10 +51,9 @@ class RobotWalk(Walk):
         return math.inf
 
     @property
-    def world(self) -> Scene:
+    def world(self) -> Any:
         """The sand of the walk, its effects, and gravity."""
-        found: Scene = self.scene.planar
-        return found
+        return self.scene.planar
 
     def pose(self, index: ArrayLike) -> Pose:
         """Feet from the centre of mass at some samples."""

@@ -14,11 +14,12 @@ moves. Without the damper a walker vibrates on its bristles at sqrt(g / delta), 
 steps damp and short ones do not: tau = 2 sqrt(delta / g) is about critical, and vanishes with delta.
 """
 
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from footopt.compiled import inlined, inlined_fast, unless_none
+from footopt.compiled import FAST, inlined, unless_none
 from footopt.walk.contact import bristles_between, direction, kinematics, rsqrt, submerged
 from footopt.walk.state import ankle_of, in_world, plates_between
 
@@ -63,14 +64,8 @@ def record(trace, row, rows, h):
             trace[row, foot, 0, i], trace[row, foot, 1, i] = h[foot, 0, i], h[foot, 1, i]
 
 
-@unless_none
+@partial(unless_none, fastmath=FAST)
 def bend(before, after, part, world, sole, poses, hip, c):
-    """`update_bristles`, where there are bristles before a stage."""
-    update_bristles(before, after, part, world, sole, poses, hip, c)
-
-
-@inlined_fast
-def update_bristles(before, after, part, world, sole, poses, hip, c):
     """Bend the bristles of both feet over a stage of a time c, s, from those before it to those after it.
 
     part: of the way from before to its end that after is to be; 1 is the end. hip: its `Motion` at the end.
