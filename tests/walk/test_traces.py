@@ -152,8 +152,8 @@ class TestValidity:
         assert not hard["depth of the sole"].outside
 
     def test_lengths_in_another_unit_stand_out(self):
-        """A thigh of 28 m, and a half length of 1.3 m that was meant as 13 cm."""
-        long_leg, long_sole = fo.Scene(walker=fo.Walker(l1=28.0)), fo.Waypoints(L=1.3)
+        """A thigh of 9 m, and a half length of 1.3 m that was meant as 13 cm."""
+        long_leg, long_sole = fo.Scene(walker=fo.Walker(l1=9.0)), fo.Waypoints(L=1.3)
         for scene, space in ((long_leg, fo.Waypoints()), (fo.Scene(), long_sole)):
             told = diagnose(fo.simulate(fo.Foot.flat(space), scene, "draft"))
             assert [d.outside for d in told if "length" in d.name] == [True]
