@@ -36,8 +36,8 @@ def solve_stage(world, sole, poses, start, c, vx, vz, h0, turning, counts):
     residual smaller.
 
     start: r0, m, and v0, m/s. c: the stage's coefficient times the time step, s. vx, vz: the guess, m/s.
-    turning: of the stage before. The others are as in `contact`. Returns the hip's motion and the contact at
-    the stage's end, and whether it is solved.
+    h0: bristles before it, or None. turning: of the stage before. The others are as in `contact`. Returns the
+    hip's motion and the contact at the stage's end, and whether it is solved.
     """
     inv = c / world.mass
     turning_speed = turning_speed_of(world.bristle_length, world, c)
