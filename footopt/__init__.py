@@ -9,8 +9,6 @@
 Public names, which `__init__.pyi` lists, are imported when first used, so that importing footopt is cheap.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 from importlib import import_module

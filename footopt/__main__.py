@@ -1,7 +1,5 @@
 """The command `footopt`, and `python -m footopt`."""
 
-from __future__ import annotations
-
 import gc
 import sys
 

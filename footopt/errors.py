@@ -1,7 +1,5 @@
 """Errors that a user can mend: each names the setting, its value, what is allowed and what to try."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import import_module

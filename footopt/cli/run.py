@@ -1,7 +1,5 @@
 """One run from its settings to its end: `execute`, `resume`, and from Python `run`."""
 
-from __future__ import annotations
-
 import logging
 import os
 import shlex

@@ -1,7 +1,5 @@
 """`FootProblem`: the design of a foot as a pymoo Problem with integer variables."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from copy import copy
 from typing import Any, NamedTuple, Self

@@ -1,7 +1,5 @@
 """The result of a search: every design, the best, its history, and the best walked again more finely."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """`RobustProblem`: one foot for many scenarios, judged by the mean, the worst case or the worst tail."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any
 

@@ -4,8 +4,6 @@ A foot is made before the sand is known, and the walker never weighs or steps qu
 `Spread` says how far a scene's parameters lie apart, `draw` makes scenarios of it.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from itertools import zip_longest

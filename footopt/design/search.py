@@ -1,7 +1,5 @@
 """`search`: an ask/tell loop around a solver's pymoo algorithm that keeps every design it has evaluated."""
 
-from __future__ import annotations
-
 import copy
 import math
 import sys

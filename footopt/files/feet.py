@@ -4,8 +4,6 @@ x is forward and z up; across the foot's width y runs from -width/2 to width/2. 
 here as it is in a walk: no spline is fitted to it, which would change the body's volume.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Gaits from files of a leg's angles: CSV, and OpenSim's MOT and STO."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import replace

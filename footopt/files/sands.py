@@ -1,7 +1,5 @@
 """Sands from files: a measured table of stresses (CSV)."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from footopt.errors import naming

@@ -1,7 +1,5 @@
 """Runs: `Study`, one at work, what may begin or go on in a folder, and `load`, a run as an object."""
 
-from __future__ import annotations
-
 import os
 import shlex
 from collections.abc import Collection, Mapping, Sequence

@@ -5,8 +5,6 @@ must remain: an open one is the sole as it is; of a closed one the sole is the l
 leftmost and its rightmost points. x is to the toe and z up, and the file's origin is the foot frame's.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
