@@ -1,7 +1,7 @@
 """Public names, which footopt imports when they are first used."""
 
 from footopt import mujoco as mujoco
-from footopt.cli.run import run as run
+from footopt.cli.main import run as run
 from footopt.design import FootProblem as FootProblem
 from footopt.design import RobustProblem as RobustProblem
 from footopt.design import Scenario as Scenario

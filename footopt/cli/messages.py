@@ -74,6 +74,11 @@ def translate(error: BaseException, overrides: Sequence[str]) -> FootoptError | 
             hint = f"Try effects={name} {key}={given[key]}"
             return SettingError(key, given[key], f"given with the effect {name}", hint)
         return _unknown(key, given.get(key, ""), given.get("study", "optimize"))
+    # footopt sand.coefficients=3
+    parts = [name for name in given if name not in groups()]
+    inner = ((name, one) for name in parts for one in names if one.startswith(f"{name}."))
+    if "is not a subclass of" in text and (found := next(inner, None)):
+        return SettingError(found[0], given[found[0]], f"set by its parts, such as {found[1]}")
     # footopt foot.width=wide
     if kind := next((KINDS[part] for part in KINDS if part in text and key in given), ""):
         return SettingError(key, given[key], kind)
@@ -100,7 +105,8 @@ def _unknown(name: str, value: str, study: str) -> FootoptError:
     if name in names and studies_that_read(name):
         return not_read(name, value, study)
     same = [other for other in names if other.endswith(f".{name.rpartition('.')[2]}")]
-    typo = get_close_matches(name, names, n=1, cutoff=0.9)
-    close = [*typo, *same, *get_close_matches(name, [*groups(), *names], n=1)]
-    hint = f"Did you mean {close[0]}={value}?" if close else MORE
+    typo, near = get_close_matches(name, names, 1, 0.9), get_close_matches(name, [*groups(), *names], 1)
+    close, group = [*typo, *same, *near], name.partition(".")[0]
+    more = MORE if group not in groups() else f"`footopt --help {group}` lists those of {group}."
+    hint = f"Did you mean {close[0]}={value}?" if close and value else more  # no value of solver={a:1}
     return FootoptError(f"{name}: there is no such setting. {hint}")

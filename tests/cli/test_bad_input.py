@@ -51,7 +51,11 @@ COMMANDS = {
     "plugins=mine.py": "plugins = 'mine.py'",
     "plugins=[mine.py]": "plugins = 'mine.py'",
     "simulator=biped robot.controller=broken.csv:f": "robot.controller = 'broken.csv:f'",
+    "study=simulate sand.coefficients=3": "sand.coefficients.A00",
+    "solver={a:1}": "footopt --help solver",
     # values that the library refuses
+    "foot.block=[1,0.02]": "foot.block = [1.0, 0.02]",
+    "study=simulate foot.block=[1,0.02]": "foot.block = [1.0, 0.02]",
     "sand.zeta=0": "sand.zeta = 0",
     "study.confirm=fien": "study.confirm = 'fien'",
     "study.laws=-1": "study.laws = -1",

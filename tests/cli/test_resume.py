@@ -105,7 +105,7 @@ class TestIdentity:
         (begun / ".hydra").mkdir()
         (begun / ".hydra" / "overrides.yaml").write_text("- plugins=[evil.py]\n")
         ran = []
-        monkeypatch.setattr("footopt.cli.run.run_study", lambda *of: ran.append(of))
+        monkeypatch.setattr("footopt.cli.main.run_study", lambda *of: ran.append(of))
         assert footopt("resume=begun", cwd=tmp_path).returncode == 0
         assert (ran[0][0].plugins, ran[0][1]) == ([], begun)
         for change, says in (
@@ -172,7 +172,7 @@ def test_files_of_a_run_are_found_from_another_folder(tmp_path, monkeypatch):
         place.mkdir()
     (there / "mine.py").touch()
     ran = []
-    monkeypatch.setattr("footopt.cli.run.run_study", lambda *of: ran.append(of))
+    monkeypatch.setattr("footopt.cli.main.run_study", lambda *of: ran.append(of))
     words = ["gait=file", 'gait.path="Größe.mot"', "plugins=[mine.py,json.tool]", "hydra.run.dir=run"]
     assert footopt(*words, cwd=there).returncode == 0
     config, folder, settings, *_ = ran[0]

@@ -11,7 +11,7 @@ from hydra.experimental.callback import Callback
 from running import footopt
 
 import footopt as fo
-from footopt.cli import run as cli_run
+from footopt.cli import main as cli_run
 from footopt.cli.compose import CONF, register
 from footopt.files import identity
 
@@ -123,7 +123,7 @@ def test_a_sweep_that_was_stopped_is_finished_by_one_command(tmp_path):
         return run(*of)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("footopt.cli.run.run_study", stop)
+        patch.setattr("footopt.cli.main.run_study", stop)
         assert footopt(*sweep, cwd=tmp_path).returncode == 130
     stopped, whole = tmp_path / "sweep", tmp_path / "whole"
     assert len(list(stopped.glob(f"*/{identity.FILE}"))) == 3

@@ -5,7 +5,7 @@ import pytest
 from motion_files import HUMAN, write_mot, write_table
 
 import footopt as fo
-from footopt.cli.run import resume
+from footopt.cli.main import resume
 from footopt.errors import FileError
 from footopt.files import identity
 
