@@ -20,8 +20,8 @@ from footopt.errors import FootoptError as FootoptError
 from footopt.files.feet import write_foot as write_foot
 from footopt.files.gaits import fit_gait as fit_gait
 from footopt.files.gaits import read_gait as read_gait
-from footopt.files.sands import read_sand as read_sand
 from footopt.files.soles import read_foot as read_foot
+from footopt.files.tables import read_sand as read_sand
 from footopt.foot import Foot as Foot
 from footopt.foot import Waypoints as Waypoints
 from footopt.gait import Gait as Gait

@@ -15,7 +15,7 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 import footopt as fo
-from footopt.files.outline import body_outline
+from footopt.files.feet import body_outline
 
 #: kg; of a person of 60 kg (Winter, Biomechanics and Motor Control of Human Movement, 2009, table 4.1).
 MASS = {"torso": 40.7, "thigh": 6.0, "shank": 2.8, "foot": 0.87}

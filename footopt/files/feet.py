@@ -1,5 +1,7 @@
 """A foot as files to make it from: its sole (CSV), its outline (DXF, SVG), its body (STL, STEP), in mm.
 
+The outline has the sole, vertical sides, a flat top, and perhaps a mounting block.
+
 x is forward and z up; across the foot's width y runs from -width/2 to width/2. A contour is a dense polyline
 here as it is in a walk: no spline is fitted to it, which would change the body's volume.
 """
@@ -12,9 +14,11 @@ import numpy as np
 from footopt.arrays import Array
 from footopt.errors import MissingError, check, needed
 from footopt.files.io import write_bytes, write_csv, write_text, write_whole
-from footopt.files.outline import MM, body_outline
 from footopt.foot import Foot
 
+MM = 1e3  # millimetres in a metre
+SAME_POINT = 1e-9  # m; points nearer than this are one: twins upset a CAD program
+MIN_WALL = 2e-3  # least material above a sole's hump, m: a body must not fall in two
 SOLE, OUTLINE = "SOLE", "OUTLINE"  # layers of the DXF file, groups of the SVG file
 FORMATS = ("csv", "dxf", "svg", "stl", "step")
 
@@ -29,7 +33,7 @@ def write_foot(foot: Foot, path: str | Path, block: Sequence[float] | None = Non
     path : str or Path
         Ends in .csv (the sole alone), .dxf or .svg (its outline, too), .stl or .step (the body).
     block : (2,), m, optional
-        Length and height of a mounting block (see `footopt.files.outline.body_outline`).
+        Length and height of a mounting block (see `body_outline`).
 
     Returns
     -------
@@ -76,6 +80,59 @@ def write_all(
             path.unlink(missing_ok=True)  # of the same run, before
             notes.append(f"There is no {path.name}: {error}")
     return written, notes
+
+
+def closed_contour(sole: Array, top: float) -> Array:
+    """Close a sole (m, 2), m, with vertical sides and a flat top at z_p = `top`, m.
+
+    The outline runs counter-clockwise from the heel and does not repeat its first point. A sole that reaches
+    higher than the top raises it. Raises `SettingError` if sole and top enclose nothing.
+    """
+    from shapely import LinearRing, Polygon
+
+    level = max(top, float(sole[:, 1].max()))
+    outline: Array = np.array([*sole, (sole[-1, 0], level), (sole[0, 0], level)])
+    outline = outline[np.linalg.norm(np.roll(outline, -1, axis=0) - outline, axis=1) > SAME_POINT]
+    encloses = len(outline) > 2 and Polygon(outline).area > SAME_POINT and LinearRing(outline).is_ccw
+    hint = f"The sole's highest point is at {sole[:, 1].max():g} m."
+    check(encloses, "foot.top", top, "above the sole, so that the outline encloses an area", hint)
+    return outline
+
+
+def body_outline(foot: Foot, block: Sequence[float] | None = None) -> Array:
+    """The closed outline that a workshop makes, in one piece.
+
+    Where a hump of the sole comes nearer to the top than `MIN_WALL`, the top is raised to that distance,
+    because the body would fall in two there.
+
+    A block of some length and height, m, may stand on the top, its middle above the ankle. The outline
+    (p, 2), m, runs counter-clockwise and does not repeat its first point. Raises `SettingError` if the block
+    does not fit on the top, or if the outline crosses itself or encloses nothing.
+    """
+    from shapely import Polygon, box, get_coordinates, is_valid_reason
+    from shapely.geometry.polygon import orient
+
+    sole, top = foot.contour, foot.top
+    heel, toe, hump = sole[0], sole[-1], sole[1:-1, 1].max(initial=-np.inf)
+    if hump > max(heel[1], toe[1]) - SAME_POINT:
+        top = max(top, hump + MIN_WALL)
+    outline = closed_contour(sole, top)
+    body = Polygon(outline)
+    allowed = "such that the sole, two vertical sides and the top do not cross"
+    where = f"The sole overhangs, or crosses itself: {is_valid_reason(body)}, in m."
+    check(body.is_valid, "foot.top", foot.top, allowed, where)
+    if block is None:
+        return outline
+    sizes = len(block) == 2 and all(0 < size < np.inf for size in block)
+    check(sizes, "foot.block", list(block), "a length and a height > 0, in m, or null")
+    (length, height), middle, level = block, foot.ankle[0], outline[:, 1].max()
+    on_top = f"on the top, which reaches from {MM * heel[0]:g} to {MM * toe[0]:g} mm"
+    fits = heel[0] - SAME_POINT <= middle - length / 2 and middle + length / 2 <= toe[0] + SAME_POINT
+    hint = f"Its middle is above the ankle, at {MM * middle:g} mm; length and height are in m."
+    check(fits, "foot.block", list(block), on_top, hint)
+    body = body.union(box(middle - length / 2, level, middle + length / 2, level + height))
+    around: Array = get_coordinates(orient(body).exterior)[:-1]
+    return around
 
 
 def _write_dxf(path: Path, sole: Array, outline: Array) -> None:

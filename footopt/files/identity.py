@@ -1,7 +1,6 @@
 """A run's folder: its identity, its lock while the run is at work, and the versions that it is made with."""
 
 import platform
-import subprocess
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from functools import cache
@@ -17,14 +16,10 @@ from footopt.files.io import read_json_file, read_text, write_text
 
 FILE, LOCK = "footopt.yaml", "footopt.lock"
 LOG = "footopt.log"  # Hydra's, of what is logged
-HEAD = """\
-# This run's settings, resolved. `footopt resume=FOLDER` goes on with them.
-# Other settings are a run of their own.
-"""
+HEAD = "# This run's settings, resolved: footopt resume=FOLDER goes on with them; others are another run.\n"
 DISTRIBUTIONS = (
     "footopt", "numpy", "scipy", "numba", "llvmlite", "pymoo", "moocore", "hydra-core", "matplotlib",
 )  # fmt: skip
-ROOT = Path(__file__).parents[2]  # of a checkout
 
 
 class Identity(NamedTuple):
@@ -153,13 +148,3 @@ def claim_folder(folder: Path, settings: Mapping[str, Any], overrides: Sequence[
 def versions() -> dict[str, str]:
     """Versions of everything that a result depends on."""
     return {name: version(name) for name in DISTRIBUTIONS} | {"python": platform.python_version()}
-
-
-@cache
-def commit() -> str | None:
-    """The commit that footopt's sources are of, with "-dirty" where they were changed; None if not known."""
-    command = ["git", "-C", str(ROOT), "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"]
-    with suppress(OSError, subprocess.SubprocessError):
-        if (ROOT / ".git").exists():
-            return subprocess.check_output(command, text=True, timeout=5, stderr=subprocess.DEVNULL).strip()
-    return None

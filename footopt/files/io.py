@@ -20,7 +20,6 @@ from footopt.arrays import Array
 from footopt.errors import FileError, SettingError, Unusable, check, named, naming
 
 Variable = tuple[tuple[str, ...], str, Array]  # dimensions, unit, values
-
 Table = dict[str, list[str]]  # cells of a table by its columns
 
 

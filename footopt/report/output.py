@@ -106,7 +106,6 @@ class Output:
             **({"walked_by_other_code": self.foreign} if self.foreign else {}),
             "settings": self.settings,
             "versions": dict(identity.versions()),
-            "commit": identity.commit(),
             "machine": target(),
             "wall_time_s": self.seconds,
             "wall_time_covers": "the study up to this file, without imports, report.html and a film",

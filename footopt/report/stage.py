@@ -13,7 +13,7 @@ from matplotlib.quiver import Quiver
 from numpy.typing import ArrayLike
 
 from footopt.arrays import Array, Ints
-from footopt.files.outline import closed_contour
+from footopt.files.feet import closed_contour
 from footopt.report import style
 from footopt.report.numbers import sand_title, title
 from footopt.report.style import PALETTE, Axes

@@ -18,8 +18,8 @@ from footopt.design.fronts import hypervolume_shares
 from footopt.design.store import flat
 from footopt.errors import ERROR_FILE, FileError
 from footopt.files import identity
+from footopt.files.feet import MM
 from footopt.files.io import read_json_file, write_csv
-from footopt.files.outline import MM
 from footopt.foot.waypoints import heights_text
 from footopt.report import page
 from footopt.report.figures.search import scatter_matrix

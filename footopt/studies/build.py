@@ -11,12 +11,11 @@ from omegaconf import OmegaConf
 from footopt.design import Choice, FootProblem
 from footopt.effects import EFFECTS, Effect
 from footopt.errors import SettingError, check
-from footopt.files.controllers import read_controller
 from footopt.files.gaits import read_gait, read_strides
 from footopt.files.io import load_module
-from footopt.files.sands import read_sand
 from footopt.files.soles import read_foot
 from footopt.files.strides import Strides
+from footopt.files.tables import read_controller, read_sand
 from footopt.foot import SHAPES, Foot, Waypoints
 from footopt.gait import Gait
 from footopt.mujoco.controllers import Tracker

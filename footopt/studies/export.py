@@ -6,8 +6,7 @@ import numpy as np
 from shapely import Polygon
 
 from footopt.errors import SettingError
-from footopt.files.feet import write_all
-from footopt.files.outline import MM, body_outline
+from footopt.files.feet import MM, body_outline, write_all
 from footopt.report import figures, terminal
 from footopt.report.output import foot_entry
 from footopt.studies.runs import Study, foot_of

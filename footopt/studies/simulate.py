@@ -8,8 +8,7 @@ from typing import Any
 from rich.text import Text
 
 from footopt.files import io as files
-from footopt.files.feet import write_all, write_foot
-from footopt.files.outline import body_outline
+from footopt.files.feet import body_outline, write_all, write_foot
 from footopt.foot import Foot
 from footopt.report import terminal
 from footopt.report.numbers import title

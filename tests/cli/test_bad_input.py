@@ -12,7 +12,7 @@ from running import footopt, program
 import footopt as fo
 from footopt.design import Choice, Solver, make_executor
 from footopt.errors import SettingError
-from footopt.files.outline import body_outline
+from footopt.files.feet import body_outline
 from footopt.walk.objectives import lookup
 
 #: Words of a command, and what the message names.

@@ -15,8 +15,7 @@ from study_pages import check_page, data_of
 
 import footopt as fo
 from footopt.errors import SettingError
-from footopt.files.feet import FORMATS
-from footopt.files.outline import MIN_WALL, body_outline, closed_contour
+from footopt.files.feet import FORMATS, MIN_WALL, body_outline, closed_contour
 from footopt.files.soles import lines_of
 from footopt.studies import Export
 from footopt.studies.runs import run_study

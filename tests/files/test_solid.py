@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from shapely import Polygon
 
 import footopt as fo
-from footopt.files.outline import body_outline
+from footopt.files.feet import body_outline
 from footopt.foot import SHAPES
 
 BLOCKS = st.sampled_from([None, (0.06, 0.02), (0.26, 0.01)])

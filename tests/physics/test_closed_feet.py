@@ -7,7 +7,7 @@ import pytest
 from shapely import Polygon
 
 import footopt as fo
-from footopt.files.outline import closed_contour
+from footopt.files.feet import closed_contour
 from footopt.foot import as_feet, as_plates
 
 K = (5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4)

@@ -35,7 +35,7 @@ class Settings(StudySettings):
 
 STUDIES["hollow"] = Settings, run
 """
-MADE = ("versions", "commit", "machine", "wall_time_s", "wall_time_covers")  # how a result was
+MADE = ("versions", "machine", "wall_time_s", "wall_time_covers")  # how a result was
 
 
 def test_it_is_found_by_its_name(tmp_path, capsys, monkeypatch):

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from footopt.files.outline import MM
+from footopt.files.feet import MM
 from footopt.foot import Foot, lower_hull
 from footopt.report import style
 from footopt.report.style import Axes

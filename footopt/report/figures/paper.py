@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from matplotlib.figure import Figure
 
-from footopt.files.outline import MM
+from footopt.files.feet import MM
 from footopt.foot import SHAPES
 from footopt.gait import Gait
 from footopt.report import style

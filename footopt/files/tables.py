@@ -1,13 +1,33 @@
-"""Controllers of robots in files: a table of commands, or a function of your own."""
+"""Tables in files: a sand's measured stresses, and the commands of a robot, or a function that gives them."""
 
 from pathlib import Path
 from typing import Any
 
 from footopt.errors import Unusable, check, naming
-from footopt.files.io import load_module, numbers, parse_table, read_text
+from footopt.files.io import load_module, numbers, parse_table, read_columns, read_text
 from footopt.mujoco.controllers import Commands, FunctionController
+from footopt.sand import Sand, fit_stress_map
 
+STRESSES = {"beta": "deg", "gamma": "deg", "alpha_x": "N/cm^3", "alpha_z": "N/cm^3"}
 TIMES = ("t", "time", "time_s", "t_s")
+
+
+def read_sand(path: str | Path, zeta: float = 1.0) -> Sand:
+    """Read a table of stresses, and fit a stress map to it, which zeta scales.
+
+    The CSV file has the columns ``beta``, ``gamma`` (degrees, signs as in `footopt.sand.law.alpha`),
+    ``alpha_x``, ``alpha_z`` (N/cm^3); others are ignored. The sand has the error of the fit.
+
+    Raises
+    ------
+    FileError
+        The file cannot be read, lacks a column, holds something that is not a number, has too few
+        different angles to determine nine coefficients, or no sand can have such stresses.
+    """
+    columns, _ = read_columns(path, "sand.table", STRESSES)
+    with naming(path, "sand.table"):
+        stress_map, error = fit_stress_map(*(columns[name] for name in STRESSES))
+    return Sand(zeta=zeta, stress_map=stress_map, name=Path(path).stem, fit_error=error)
 
 
 def read_controller(path: str) -> Commands | FunctionController:

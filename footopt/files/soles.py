@@ -13,13 +13,11 @@ import numpy as np
 
 from footopt.arrays import Array
 from footopt.errors import FileError, Unusable, check, naming
-from footopt.files.feet import SOLE
-from footopt.files.outline import MM
-from footopt.files.soles import dxf, svg, table
-from footopt.files.soles.lines import JOIN_DISTANCE, UNITS, Line, crossing, join
+from footopt.files.drawings import JOIN_DISTANCE, UNITS, Line, crossing, join, read_dxf, read_svg, read_table
+from footopt.files.feet import MM, SOLE
 from footopt.foot import Foot
 
-READERS = {".dxf": dxf.read, ".svg": svg.read, ".csv": table.read}
+READERS = {".dxf": read_dxf, ".svg": read_svg, ".csv": read_table}
 MAX_COORDINATE = 1e6  # m; no drawing has a point farther from its origin
 LENGTH_RANGE = (5e-3, 0.6)  # of a sole, m; anything else is a mistake in the units, as cm for inches
 MAX_HOLE = 0.5  # of an outline's length; a larger line inside it may be the sole itself
@@ -77,8 +75,7 @@ def read_foot(
         line, notes = the_line(lines_of(path, units, scale), layer)
         points = line.points * ([-1.0, 1.0] if toe == "left" else 1.0)
         check_size(points, origin)
-        place = crossing(points, line.closed)
-        if place is not None:
+        if (place := crossing(points, line.closed)) is not None:
             raise Unusable(f"the line crosses itself at {_where(place)}.")
         if origin == "centre":
             points = points - 0.5 * (points.min(axis=0) + points.max(axis=0))
