@@ -10,7 +10,6 @@ Public names, which `__init__.pyi` lists, are imported when first used, so that 
 """
 
 import os
-import sys
 from importlib import import_module
 
 __version__ = "0.2.0.dev0"
@@ -37,7 +36,3 @@ def __getattr__(name: str) -> object:
 
 def __dir__() -> list[str]:
     return __all__
-
-
-if "IPython" in sys.modules and (_shell := sys.modules["IPython"].get_ipython()) is not None:
-    import_module("footopt.report.cards").register(_shell)

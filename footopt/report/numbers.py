@@ -1,4 +1,4 @@
-"""Numbers and names as text: each quantity has one format on the terminal, in figures, cards and pages."""
+"""Numbers and names as text: each quantity has one format on the terminal, in figures and pages."""
 
 import math
 

@@ -1,12 +1,10 @@
-"""An object as a drawing on matplotlib Axes (`plot`), or as its line above pictures in a notebook (`card`).
+"""An object as a drawing on matplotlib Axes.
 
 Kinds of objects are found by their class's name, so that a sand is drawn without loading the optimiser.
 """
 
 from __future__ import annotations
 
-import base64
-import html
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -23,8 +21,6 @@ from footopt.report.figures.search import FRONT, draw_convergence, draw_pair
 from footopt.report.figures.traces import QUANTITIES, draw_quantity
 from footopt.report.stage import draw_walk
 from footopt.report.style import COLUMN, PAGE, Axes, fit_height, new_figure, png, styled
-from footopt.report.terminal import describe_scene
-from footopt.walk import Scene
 
 HEIGHT = 2.6  # of a picture, inches
 
@@ -60,15 +56,6 @@ def plot(thing: object, what: str | None = None, ax: Axes | None = None) -> Axes
         return picture(thing, name).axes[0]
     _draw(ax, found[name], thing)
     return ax
-
-
-def card(thing: object) -> str:
-    """HTML: an object's line above its first picture; a `SettingError` if it cannot be drawn."""
-    words = html.escape(describe_scene(thing) if isinstance(thing, Scene) else repr(thing))
-    figure = picture(thing, next(iter(drawings(thing))))
-    image = base64.b64encode(png(figure)).decode("ascii")
-    looks = f'width="{round(96 * figure.get_figwidth())}" style="max-width:100%;height:auto;background:white"'
-    return f'<p>{words}</p><img alt="{words}" {looks} src="data:image/png;base64,{image}">'
 
 
 class Panel(PlainAxes):

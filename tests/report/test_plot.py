@@ -1,8 +1,5 @@
-"""Objects as drawings on one Axes, cards in notebooks, a line of a terminal, tables of pandas."""
+"""Objects as drawings on one Axes, a line of a terminal, tables of pandas."""
 
-import base64
-import io
-import re
 from dataclasses import replace
 
 import matplotlib
@@ -10,7 +7,6 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
-from matplotlib.image import imread
 from scipy.io import netcdf_file
 
 import footopt as fo
@@ -63,17 +59,6 @@ def things(walked, many, searches):
 NAMES = ["sand", "gait", "foot", "every effect", "walk", "sunk", "void", "table", "one", "several"]
 
 
-@pytest.mark.parametrize("name", ["sand", "gait", "every effect", "walk", "sunk", "table", "one"])
-def test_a_card_has_a_picture_with_words_for_the_blind(things, name):
-    ((alt, source),) = re.findall(
-        r'<img[^>]* alt="([^"]+)"[^>]* src="[^,]+,([^"]+)"', plot.card(things[name])
-    )
-    assert alt
-    picture = imread(io.BytesIO(base64.b64decode(source)))
-    assert picture[..., :3].std() > 0.02  # something is drawn
-    np.testing.assert_array_equal(picture[[0, -1], :, :3].mean(axis=-1), 1.0)  # and nothing is cut off
-
-
 @pytest.mark.parametrize("name", NAMES)
 def test_every_drawing_is_on_the_axes_that_it_was_given(things, name):
     for what in plot.drawings(things[name]):
@@ -87,12 +72,7 @@ def test_every_drawing_is_on_the_axes_that_it_was_given(things, name):
     assert plt.get_fignums() == []  # pyplot has seen nothing of it
 
 
-def test_names_are_escaped(walked, monkeypatch, tmp_path):
-    monkeypatch.setattr(plot, "png", lambda figure: b"")
-    foot = replace(walked.foot, name=NASTY)
-    for shown in (foot, fo.Sand(name=NASTY), replace(walked, foot=foot)):
-        assert "<script" not in plot.card(shown)
-        assert "alert(" in plot.card(shown)
+def test_names_are_escaped(tmp_path):
     table = terminal.table((NASTY,), rows=[(NASTY,)])
     written = write_study(tmp_path, NASTY, [NASTY], {}, [table], {"settings": {NASTY: NASTY}})
     assert NASTY.partition("(")[0] not in written.read_text(encoding="utf-8")
