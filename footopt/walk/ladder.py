@@ -4,7 +4,8 @@ Errors have three sides: the time step with its control, the plates, and the cre
 is finer than the one below by a known factor. From the coarsest numbers on, each side alone goes up by a
 rung: what that changes in the objectives, times `SAFE`, is the error that the side leaves. The side with
 the largest error for what its refinement costs goes up, until the errors add up to `SHARE` of the
-tolerance. Costs are evaluations and plates, never seconds: the choice is the same on every machine.
+tolerance. One rung may by chance change little, so that a walk further up on all sides (`DEEP`) has to agree,
+or the climb goes on. Costs are evaluations and plates, never seconds: the choice is the same on every machine.
 """
 
 import math
@@ -35,7 +36,10 @@ SHARE = 0.5  # of the tolerance, for the errors of the probes: other soles of th
 SMALL = 1 / 6  # of that share: an error that is not worth a rung
 FAR = 4.0  # times that share: an error that two rungs will not bring within it
 VAIN, BARELY = 8.0, 1.5  # so many times the work is to bring the error down by this factor
+SAFE_DEEP = 4 / 3  # as `SAFE`, of rungs that leave a quarter of an error
+ALIKE = 2.0  # an error of one probe of ten that is so many times the next one is that of a brink
 NEARLY = 1.25  # times the smallest error: as good where none is small enough
+MOST = 1000.0  # walks in whose work the numbers are found: a fifth of a search of 5,000
 CHEAP = 0.02  # of a walk's work: what a rung costs at least
 
 PROBES, DRAWN = 10, 40  # random soles of a space that walk, of those that are drawn
@@ -49,13 +53,20 @@ class Rung(NamedTuple):
     plates: int = 0
     creep: int = 0
 
-    def up(self, side: int, by: int, top: Self) -> Self:
-        """The rung that is finer on one side, at most the top one's."""
-        return self._replace(**{self._fields[side]: min(self[side] + by, top[side])})
+    def up(self, by: Self, times: int, top: Self) -> Self:
+        """The rung that is so many times finer by another, at most the top one's."""
+        return self._make(min(here + times * more, end) for here, more, end in zip(self, by, top, strict=True))
+
+    def sides(self) -> list[Self]:
+        """Each side's part of it alone."""
+        return [self._make(more * (side == at) for at, more in enumerate(self)) for side in range(len(self))]
 
 
-#: Steps of 1/16 of the first ones, 2,200 plates, a creep speed of 1/2000: nothing finer has been asked for.
-TOP = Rung(12, 13, 11)
+NEXT = Rung(1, 1, 1)
+#: Half the longest step with an eighth of the control, twice the plates, and a quarter of the creep speed.
+DEEP = Rung(STEP_HALVED, 2, 2)
+#: Steps of 1/32 of the first ones, 8,700 plates, a creep speed of 1/8000: nothing finer has been asked for.
+TOP = Rung(15, 17, 13)
 
 
 class Found(NamedTuple):
@@ -130,7 +141,7 @@ def climbed(of: Tolerance, simulator: Simulator, path: Path, soles: Any) -> Foun
         values, cost = walked(Rung())
         fails = np.isnan(values).all(axis=1)
         chosen, drawing = Soles(chosen.k[np.argsort(fails, kind="stable")[:PROBES]], soles), DRAWN * cost
-    found = climb(walked, _top(of, path), of.error)
+    found = climb(walked, _top(of, path), of.error, MOST, DEEP)
     return found._replace(price=found.price + drawing)
 
 
@@ -194,7 +205,11 @@ def numbers_at(of: Tolerance, path: Path, rung: Rung) -> Accuracy:
 
 
 def climb(
-    walk: Callable[[Rung], tuple[Array, float]], top: Rung, tolerance: float, most: float = math.inf
+    walk: Callable[[Rung], tuple[Array, float]],
+    top: Rung,
+    tolerance: float,
+    most: float = math.inf,
+    deep: Rung | None = None,
 ) -> Found:
     """Climb a ladder.
 
@@ -208,42 +223,63 @@ def climb(
         The relative error of the worst objective.
     most : float
         Walks with the numbers that are found, in whose work they are to be found.
+    deep : Rung, optional
+        How much finer a walk is that has to agree in the end.
     """
     walked: dict[Rung, tuple[Array, float]] = {}
     passed: list[Found] = []
-    rung, allowed = Rung(), SHARE * tolerance
+    path: list[Rung] = []
+    rung, allowed, by, safe = Rung(), SHARE * tolerance, NEXT, SAFE
 
     def at(one: Rung) -> tuple[Array, float]:
         if one not in walked:
             walked[one] = walk(one)
         return walked[one]
 
+    def up(by: Rung) -> list[tuple[Array, float]]:
+        return [at(rung.up(by, times, top)) for times in range(1, 2 + (len(at(rung)[0]) < FEW))]
+
     def price() -> float:
         return sum(len(values) * cost for values, cost in walked.values())
 
     while True:
         values, cost = at(rung)
-        looks = range(1, 2 + (len(values) < FEW))
-        finer = [[at(rung.up(side, by, top)) for by in looks] for side in range(len(rung))]
-        changes = [SAFE * np.max([changes_of(values, other) for other, _ in ups], axis=0) for ups in finer]
+        path.append(rung)
+        if by is deep:
+            passed.append(Found(rung, largest(_changed(values, up(deep))), cost))
+            if passed[-1].error <= allowed:
+                break
+        finer = [up(side) for side in by.sides()]
+        changes = [safe * _changed(values, ups) for ups in finer]
+        if by is NEXT:
+            passed.append(Found(rung, math.nan if np.isnan(values).all() else worst(sum(changes)), cost))
+            if passed[-1].error <= allowed:
+                grows = math.prod((ups[0][1] / cost) ** n for ups, n in zip(finer, deep or NEXT, strict=True))
+                if deep is None or price() + len(values) * grows * cost > most * cost:
+                    break
+                by, safe, passed = deep, SAFE_DEEP, []
+                continue
         errors = [worst(change) for change in changes]
-        passed.append(Found(rung, math.nan if np.isnan(values).all() else worst(sum(changes)), cost))
         worth = {
             side: errors[side] / max(finer[side][0][1] - cost, CHEAP * cost)
             for side in range(len(rung))
             if rung[side] < top[side] and errors[side] > SMALL * allowed
         }
-        if passed[-1].error <= allowed or not worth or _in_vain(passed):
+        if not worth or _in_vain(passed):
             break
         side = max(worth, key=lambda side: worth[side])
-        by = 2 if errors[side] > FAR * allowed else 1
+        rungs = 2 if errors[side] > FAR * allowed else 1
         look = len(values) * (cost + sum(other for ups in finer for _, other in ups))
-        ahead = look * (finer[side][0][1] / cost) ** by
-        if price() + ahead > most * _best(passed, passed[0]).work:
+        if price() + look * (finer[side][0][1] / cost) ** rungs > most * _best(passed, passed[0]).work:
             break
-        rung = rung.up(side, by, top)
+        rung = rung.up(NEXT.sides()[side], rungs, top)
     found = passed[-1] if passed[-1].error <= allowed else _best(passed, passed[-1])
-    return found._replace(price=price(), path=tuple(one.rung for one in passed))
+    return found._replace(price=price(), path=tuple(dict.fromkeys(path)))
+
+
+def _changed(values: Array, ups: Sequence[tuple[Array, float]]) -> Array:
+    """The largest relative changes of the probes' objectives to finer walks."""
+    return np.max([changes_of(values, other) for other, _ in ups], axis=0)
 
 
 def _best(passed: Sequence[Found], otherwise: Found) -> Found:
@@ -269,6 +305,12 @@ def worst(errors: Array) -> float:
     One probe of ten may stand at the brink of a fall, whatever the numbers are.
     """
     return float(np.sort(errors.max(axis=1))[-1 if len(errors) < FEW else -2])
+
+
+def largest(errors: Array) -> float:
+    """The largest of the probes' errors (probes, objectives); of many that of a brink counts in part."""
+    ordered = np.sort(errors.max(axis=1))
+    return float(ordered[-1] if len(errors) < FEW else min(ordered[-1], ALIKE * ordered[-2]))
 
 
 def _in_vain(passed: Sequence[Found]) -> bool:
