@@ -4,15 +4,15 @@ Errors have three sides: the time step with its control, the plates, and the cre
 is finer than the one below by a known factor. From the coarsest numbers on, each side alone goes up by a
 rung: what that changes in the objectives, times `SAFE`, is the error that the side leaves. The side with
 the largest error for what its refinement costs goes up, until the errors add up to `SHARE` of the
-tolerance. One rung may by chance change little, so that a walk further up on all sides (`DEEP`) has to agree,
-or the climb goes on. Costs are evaluations and plates, never seconds: the choice is the same on every machine.
+tolerance. One rung may by chance change little: a walk further up on all sides (`DEEP`) has to agree, or the
+climb goes on. Costs are evaluations and plates, never seconds: the choice is the same on every machine.
 """
 
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import lru_cache
-from typing import Any, NamedTuple, Self
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -37,7 +37,9 @@ SMALL = 1 / 6  # of that share: an error that is not worth a rung
 FAR = 4.0  # times that share: an error that two rungs will not bring within it
 VAIN, BARELY = 8.0, 1.5  # so many times the work is to bring the error down by this factor
 SAFE_DEEP = 4 / 3  # as `SAFE`, of rungs that leave a quarter of an error
-ALIKE = 2.0  # an error of one probe of ten that is so many times the next one is that of a brink
+ALIKE = (
+    2.0  # the error of one probe of ten counts up to so many times the next one, as a look further up sees it
+)
 NEARLY = 1.25  # times the smallest error: as good where none is small enough
 MOST = 1000.0  # walks in whose work the numbers are found: a fifth of a search of 5,000
 CHEAP = 0.02  # of a walk's work: what a rung costs at least
@@ -53,13 +55,13 @@ class Rung(NamedTuple):
     plates: int = 0
     creep: int = 0
 
-    def up(self, by: Self, times: int, top: Self) -> Self:
-        """The rung that is so many times finer by another, at most the top one's."""
-        return self._make(min(here + times * more, end) for here, more, end in zip(self, by, top, strict=True))
+    def up(self, by: "Rung", times: int, top: "Rung") -> "Rung":
+        """The rung that is finer by so many times another, at most the top one's."""
+        return Rung(*(min(here + times * more, end) for here, more, end in zip(self, by, top, strict=True)))
 
-    def sides(self) -> list[Self]:
+    def sides(self) -> "tuple[Rung, Rung, Rung]":
         """Each side's part of it alone."""
-        return [self._make(more * (side == at) for at, more in enumerate(self)) for side in range(len(self))]
+        return Rung(self.time), Rung(0, self.plates), Rung(0, 0, self.creep)
 
 
 NEXT = Rung(1, 1, 1)
@@ -246,13 +248,15 @@ def climb(
         values, cost = at(rung)
         path.append(rung)
         if by is deep:
-            passed.append(Found(rung, largest(_changed(values, up(deep))), cost))
+            passed.append(Found(rung, worst(_changed(values, up(deep)), ALIKE), cost))
             if passed[-1].error <= allowed:
                 break
         finer = [up(side) for side in by.sides()]
         changes = [safe * _changed(values, ups) for ups in finer]
         if by is NEXT:
-            passed.append(Found(rung, math.nan if np.isnan(values).all() else worst(sum(changes)), cost))
+            passed.append(
+                Found(rung, math.nan if np.isnan(values).all() else worst(np.sum(changes, axis=0)), cost)
+            )
             if passed[-1].error <= allowed:
                 grows = math.prod((ups[0][1] / cost) ** n for ups, n in zip(finer, deep or NEXT, strict=True))
                 if deep is None or price() + len(values) * grows * cost > most * cost:
@@ -279,7 +283,8 @@ def climb(
 
 def _changed(values: Array, ups: Sequence[tuple[Array, float]]) -> Array:
     """The largest relative changes of the probes' objectives to finer walks."""
-    return np.max([changes_of(values, other) for other, _ in ups], axis=0)
+    changes: Array = np.max([changes_of(values, other) for other, _ in ups], axis=0)
+    return changes
 
 
 def _best(passed: Sequence[Found], otherwise: Found) -> Found:
@@ -299,18 +304,13 @@ def changes_of(values: Array, others: Array) -> Array:
     return np.where(np.isnan(change), math.inf, change)
 
 
-def worst(errors: Array) -> float:
-    """The largest of the probes' errors (probes, objectives), of many but for one probe.
+def worst(errors: Array, alike: float = 1.0) -> float:
+    """The largest of the probes' errors (probes, objectives); of many at most so many times the next one.
 
     One probe of ten may stand at the brink of a fall, whatever the numbers are.
     """
-    return float(np.sort(errors.max(axis=1))[-1 if len(errors) < FEW else -2])
-
-
-def largest(errors: Array) -> float:
-    """The largest of the probes' errors (probes, objectives); of many that of a brink counts in part."""
     ordered = np.sort(errors.max(axis=1))
-    return float(ordered[-1] if len(errors) < FEW else min(ordered[-1], ALIKE * ordered[-2]))
+    return float(ordered[-1] if len(errors) < FEW else min(ordered[-1], alike * ordered[-2]))
 
 
 def _in_vain(passed: Sequence[Found]) -> bool:

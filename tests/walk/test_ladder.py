@@ -12,7 +12,17 @@ import footopt as fo
 from footopt.foot import Soles
 from footopt.walk import discretize
 from footopt.walk.accuracy import PRESETS, TOLERANCES
-from footopt.walk.ladder import SHARE, Rung, changes_of, climb, ladder, numbers_at, numerics, worst
+from footopt.walk.ladder import (
+    DEEP,
+    SHARE,
+    Rung,
+    changes_of,
+    climb,
+    ladder,
+    numbers_at,
+    numerics,
+    worst,
+)
 from footopt.walk.ladder import _top as finest
 
 PAPER = fo.Waypoints()
@@ -67,6 +77,20 @@ class TestTheClimb:
             assert found[side] == max(found) > 0
             assert sum(found) == found[side]
 
+    def test_a_walk_further_up_has_to_agree(self):
+        """Plates change nothing by the next rung, and much by the one after it."""
+
+        class Lucky(Halving):
+            def error(self, rung):
+                return super().error((rung[0], rung[1] // 2 * 2, rung[2]))
+
+        walk = Lucky([1e-6, 0.02, 1e-6])
+        assert climb(walk, TOP, 0.005).rung == Rung()
+        found = climb(walk, TOP, 0.005, deep=DEEP)
+        assert found.rung.plates >= 4
+        assert walk.error(found.rung) <= SHARE * 0.005 * 4 / 3
+        assert climb(walk, TOP, 0.005, 60.0, DEEP).rung == Rung()  # there is no time for it
+
     def test_counts_what_it_took_and_walks_nothing_twice(self):
         walk = Halving([0.01, 0.02, 0.01])
         found = climb(walk, TOP, 0.005)
@@ -110,6 +134,10 @@ class TestTheClimb:
         others[4] = np.nan
         assert worst(changes_of(values, others)) == math.inf
         assert worst(changes_of(others, others)) == 0.0
+        others[4], others[3] = 1.01, 1.015
+        assert worst(changes_of(others, values), 2.0) == pytest.approx(0.015)
+        others[3] = 1.1
+        assert worst(changes_of(others, values), 2.0) == pytest.approx(0.02)
 
 
 class TestNumbers:

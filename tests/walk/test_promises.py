@@ -19,6 +19,6 @@ def test_random_scenes_keep_the_promise_and_estimates_hold_the_error():
         found += judge(drawn.feet[:2], drawn.scene, space=drawn.space)
     told = promises(found)
     assert told["another outcome"] == 0
-    assert told["within 0.5 %"] >= 0.82, told
+    assert told["within the tolerance"] >= 0.82, told
     assert told["covered"] >= 0.95, told
     assert told["at most 5 times"] >= 0.85, told
