@@ -18,7 +18,7 @@ from footopt.studies.runs import in_world_of_run
 from footopt.studies.settings import Config, structured
 
 #: conf/ inside the installed package, or at the top of a checkout.
-CONF = next(path / "conf" for path in Path(__file__).parents[1:3] if (path / "conf").is_dir())
+CONF: Path = next(path / "conf" for path in Path(__file__).parents[1:3] if (path / "conf").is_dir())
 
 
 def register(words: Sequence[str] = ()) -> None:

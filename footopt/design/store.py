@@ -205,7 +205,7 @@ class Store:
             number = int(connection.execute(insert, (name, canonical(self._context))).lastrowid or 0)
             heights = [f"json_extract(k, '$[{i}]') AS k{i + 1}" for i in range(self.problem.space.n)]
             values = [
-                f"json_extract(record, '$[{i}]') AS \"{name}\"" for i, name in enumerate(self.problem.record)
+                f"json_extract(record, '$[{i}]') AS \"{one}\"" for i, one in enumerate(self.problem.record)
             ]
             connection.execute(
                 f"CREATE VIEW designs_{number} AS SELECT {', '.join([*heights, *values])}, reason "

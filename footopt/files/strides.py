@@ -106,9 +106,7 @@ def _period(t: Array, angles: dict[str, Array]) -> float | None:
 
 
 def _bounds(t: Array, angles: dict[str, Array], period: float) -> Array:
-    """Where strides begin and end, (strides + 1,), s: each bound moves to where the strides about it are most
-    like the mean stride.
-    """
+    """Where strides begin and end, (strides + 1,), s: each where those about it are most like their mean."""
     count = max(int((t[-1] - t[0]) / period + 1e-3), 1)
     bounds: Array = t[0] + period * np.arange(count + 1)
     rows = np.radians([angles[joint] for joint in ANGLES])

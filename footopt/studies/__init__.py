@@ -60,7 +60,6 @@ class SearchSettings(StudySettings):
 class Optimize(SearchSettings):
     """Search the design space and leave the best foot in every form."""
 
-    name: str = "optimize"
     certify: bool | None = setting(
         None, "Whether all soles near the best are walked; null: if they are fewer than the search walked."
     )
@@ -70,9 +69,7 @@ class Optimize(SearchSettings):
         "Share of the search's evaluations for a search under each law, before one for the foot to print, "
         "which loses least under the worst of them; null: no such foot.",
     )
-    start: list[int] | None = setting(
-        None, "Heights of the sole that a search begins with, or of several in a row."
-    )
+    start: list[int] | None = setting(None, "Heights of a sole to begin with, or of several in a row.")
     video: str | None = setting(None, VIDEO)
     reads = (*SearchSettings.reads, "choose", "foot.block")
 
@@ -81,7 +78,6 @@ class Optimize(SearchSettings):
 class Simulate(StudySettings):
     """Walk with one foot: foot.k, a shape, a drawing, that of a run, or else the flat sole."""
 
-    name: str = "simulate"
     run: str | None = setting(None, "Folder of the run whose foot is meant, in whose world it walks.")
     video: str | None = setting(None, VIDEO)
     reads = (*SCENE, *ROBOT, "foot", "accuracy", "objective.names")
@@ -91,7 +87,6 @@ class Simulate(StudySettings):
 class Ladder(StudySettings):
     """The cost of accuracy in a scene: steppers, time steps, plates and presets."""
 
-    name: str = "accuracy"
     feet: int = setting(40, FEET)
     reads = (*SCENE, *SPACE, "solver.seed")
 
@@ -100,7 +95,6 @@ class Ladder(StudySettings):
 class Stability(StudySettings):
     """Which stepper stays stable in which hard case; every case starts from the settings."""
 
-    name: str = "stability"
     cases: list[str] | None = setting(None, "Names of the cases; null: all.")
     methods: list[str] | None = setting(None, "Names of the steppers that are tried; null: all.")
     reads = (*SCENE, *SPACE, *SHAPE, *OUTLINE, "foot.shape", "foot.k", "accuracy")
@@ -110,7 +104,6 @@ class Stability(StudySettings):
 class Audit(StudySettings):
     """Which effects a scene calls for: each is turned on alone on random soles of the design space."""
 
-    name: str = "effects"
     feet: int = setting(40, FEET)
     reads = (*SCENE, *SPACE, "accuracy", "solver.seed")
 
@@ -119,7 +112,6 @@ class Audit(StudySettings):
 class Paper(StudySettings):
     """The paper's study from nothing: its figures, and its claims judged one by one."""
 
-    name: str = "paper"
     cases: list[str] | None = setting(
         None, "Names of what the paper leaves open, such as foot.apex; null: all; []: none."
     )
@@ -139,7 +131,6 @@ class Paper(StudySettings):
 class Robust(SearchSettings):
     """One foot for three sands, several laws, or drawn scenes, against the specialist of each."""
 
-    name: str = "robust"
     scenarios: str = setting("sands", "What one foot is for: sands, laws, or drawn about the scene.")
     draws: int = setting(16, "How many scenarios are drawn.")
     measure: str = setting(
@@ -154,7 +145,6 @@ class Robust(SearchSettings):
 class Transfer(SearchSettings):
     """Feet designed on the walker and on a robot, each walked on both: which model is to be trusted?"""
 
-    name: str = "transfer"
     sands: list[Any] = setting(["soft", "regular", "hard"], "The sands, by name or zeta.")
     walks: int = setting(10_000, "Designs that a search on the walker evaluates; solver.walks: on the robot.")
     soles: int = setting(200, "Random soles that both simulators rank.")
@@ -166,7 +156,6 @@ class Transfer(SearchSettings):
 class Export(StudySettings):
     """The foot of a run as files to make it from; foot.k chooses another of its soles."""
 
-    name: str = "export"
     run: str | None = setting(None, "Folder of the run whose foot is meant.")
     foot: str = setting("best", "Which of its feet: best, or to_print.")
     reads = ("foot.k", "foot.block")
@@ -176,7 +165,6 @@ class Export(StudySettings):
 class Compare(StudySettings):
     """Earlier runs of optimize, simulate or robust, side by side."""
 
-    name: str = "compare"
     runs: list[str] = setting([], "Folders of the runs that are compared; * and ** as in a shell.")
 
 
@@ -184,7 +172,6 @@ class Compare(StudySettings):
 class Validate(StudySettings):
     """Experiments on sand by other people, repeated: error, validation uncertainty, verdict."""
 
-    name: str = "validate"
     cases: list[str] | None = setting(None, "Names of the experiments; null: all.")
 
 
@@ -192,7 +179,6 @@ class Validate(StudySettings):
 class Calibrate(StudySettings):
     """zeta from tests with plates or a penetrometer, with its uncertainty, as a sand for other runs."""
 
-    name: str = "calibrate"
     tests: str | None = setting(
         None, "CSV of tests: depth_mm, force_N, area_cm2; if known, angle_deg, direction_deg, repeat."
     )
@@ -218,9 +204,12 @@ def _of_module(name: str) -> Callable[[Any], Any]:
     return lambda study: import_module(f"footopt.studies.{name}").run(study)
 
 
-for _kind in (Optimize, Simulate, Ladder, Stability, Audit, Paper, Robust, Transfer, Export, Compare,
-              Validate, Calibrate):  # fmt: skip
-    STUDIES[_kind.name] = _kind, _of_module(_kind.name)
+_BUILT_IN = {
+    "optimize": Optimize, "simulate": Simulate, "accuracy": Ladder, "stability": Stability, "effects": Audit,
+    "paper": Paper, "robust": Robust, "transfer": Transfer, "export": Export, "compare": Compare,
+    "validate": Validate, "calibrate": Calibrate,
+}  # fmt: skip
+STUDIES.update({name: (kind, _of_module(name)) for name, kind in _BUILT_IN.items()})
 
 
 def choices() -> dict[str, dict[str, Any]]:

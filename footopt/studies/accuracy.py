@@ -116,9 +116,8 @@ def measure(
 def relative_error(values: Array, truth: Array) -> Array:
     """Relative error (feet, objectives); infinite where only one of the two walks failed."""
     same = np.isnan(values) & np.isnan(truth)
-    return np.where(
-        same, 0.0, np.nan_to_num(np.abs(relative_change(values, truth)), nan=np.inf, posinf=np.inf)
-    )
+    change = np.abs(relative_change(values, truth))
+    return np.where(same, 0.0, np.nan_to_num(change, nan=np.inf, posinf=np.inf))
 
 
 def wrong_pairs(values: Array, truth: Array) -> float:

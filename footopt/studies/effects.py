@@ -121,9 +121,7 @@ def table(found: Sequence[Audit]) -> Table:
     )
     for a in found:
         pairs = zip(a.changes, a.shifts, strict=True)
-        cells = [
-            f"{'+' if shift > 0 else '-'}{percent(change).removesuffix(' %')}" for change, shift in pairs
-        ]
+        cells = [f"{'+' if way > 0 else '-'}{percent(size).removesuffix(' %')}" for size, way in pairs]
         shown.add_row(a.name, *cells, f"{a.kendall_tau:.2f}", f"x {a.time_ratio:.2f}")
     return shown
 

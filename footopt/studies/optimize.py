@@ -25,16 +25,16 @@ from footopt.files import io as files
 from footopt.files.feet import write_all
 from footopt.foot import Foot, Waypoints
 from footopt.report import terminal
-from footopt.report.numbers import number, percent, quantity, title
+from footopt.report.numbers import number, quantity, title
 from footopt.report.output import foot_entry, report_generations
 from footopt.studies.build import make_problem
 from footopt.studies.effects import choose_effects
 from footopt.studies.laws import Laws, evaluated
 from footopt.studies.runs import Study
 from footopt.studies.simulate import check_files, judged, write_film, write_walk
-from footopt.walk import MEASURES, Accuracy, Walk, gain_shares, simulate
+from footopt.walk import MEASURES, Walk, gain_shares, simulate
 from footopt.walk.checks import Diagnostic
-from footopt.walk.ladder import SHARE, ladder, numerics
+from footopt.walk.ladder import numerics
 
 LEADERS = 4  # best soles of an enumerated space that are drawn in one frame
 
@@ -146,9 +146,7 @@ def _warnings(problem: FootProblem, values: dict[str, float], base: dict[str, fl
     for name, limit in problem.limits.items():
         if excess(name, limit, np.array([values[name]]))[0] > 0.0:
             value = quantity(values[name], MEASURES[name].unit)
-            said.append(
-                f"The best design violates constraint.{name}={limit:g} at the finer accuracy: {value}."
-            )
+            said.append(f"The best foot breaks constraint.{name}={limit:g} at the finer accuracy: {value}.")
     return said
 
 
@@ -162,7 +160,6 @@ def _search(
             f"Searching {space.K}^{space.n} soles for {', '.join(problem.names)} on "
             f"{terminal.describe_scene(problem.scene)} with {solver.name}"
         )
-        study.say(*_describe_ladder(problem))
         if known := store.describe():
             study.say(known)
         with study.progress(solver.generations(space), solver.unit) as step:
@@ -178,22 +175,6 @@ def _search(
             return result, confirm(result, finer, finalists), None
         most = math.inf if asked else result.designs
         return certified(result, finer, finalists, Evaluator(problem, store, executor), most)
-
-
-def _describe_ladder(problem: FootProblem) -> list[str]:
-    """A tolerance in words: its numbers, and what finding them cost; nothing of numbers by hand."""
-    if isinstance(accuracy := problem.accuracy, Accuracy):
-        return []
-    numbers, found = ladder(accuracy, problem.scene, problem.space)
-    if not found.work > 0.0:  # no sole has walked
-        return []
-    reached = found.error <= SHARE * accuracy.error
-    worst = percent(found.error) if math.isfinite(found.error) else "some fail"
-    missed = "" if reached else f", missed by random soles ({worst})"
-    return [
-        f"Errors within {percent(accuracy.error)}{missed}: {numbers.plates} plates and steps of "
-        f"{1e3 * numbers.dt:.3g} ms at most, found in the time of {found.price / found.work:.0f} walks"
-    ]
 
 
 def _start(heights: list[int] | None, space: Waypoints) -> list[list[int]] | None:

@@ -60,10 +60,7 @@ def run(study: Study) -> None:
     judge.references = np.ones(len(scenarios))  # values as they are
     values, reasons = judge.walk_each(np.array(k))
     _, regrets = compare(judge, values)
-    soles = {
-        name: Foot.from_waypoints(heights.tolist(), judge.space)
-        for name, heights in zip(names, k, strict=True)
-    }
+    soles = {name: Foot.from_waypoints(h.tolist(), judge.space) for name, h in zip(names, k, strict=True)}
     foot = replace(soles[ROBUST], name=ROBUST)
     write_foot(foot, study.folder / "contour.csv")
     if study.wants_report:

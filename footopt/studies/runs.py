@@ -7,13 +7,13 @@ from concurrent.futures import Executor
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from functools import cached_property
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any, cast
 
 from omegaconf import OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
+from footopt import __version__
 from footopt.design import FootProblem, SearchResult, Solver, Store, make_executor, search
 from footopt.design.result import check_finalists
 from footopt.design.store import listed
@@ -39,8 +39,6 @@ from footopt.studies.settings import (
 from footopt.walk import Accuracy, Scene, Simulator, Walk, simulate
 from footopt.walk.accuracy import AnyAccuracy, confirming
 from footopt.walk.loop import at_once
-
-__version__ = version("footopt")
 
 BUDGETS = ("walks", "n_gen")  # settings of the solver that may make a search longer
 

@@ -103,11 +103,15 @@ AccuracyConfig: Any = settings_class(Accuracy, BY_HAND, BY_HAND)
 class StudySettings:
     """Settings of a study, a class of its own in its module, with the other settings that it reads."""
 
-    name: str = setting("optimize", "The question.")
+    name: str = setting("", "The question.")
     #: Groups and single settings that the study reads besides its own.
     reads: ClassVar[tuple[str, ...]] = ()
     #: Choices of other groups that come with it, unless others are made.
     brings: ClassVar[Mapping[str, str]] = {}
+
+    def __post_init__(self) -> None:
+        own = (name for name, (kind, _) in STUDIES.items() if kind is type(self))
+        self.name = self.name or next(own, "optimize")
 
 
 #: Studies by name: the settings of each, and the function that is called with a `Study`. Each module adds
@@ -152,9 +156,7 @@ class FootConfig(SpaceConfig):  # type: ignore[misc]  # made of Waypoints' field
     shape: str = setting("waypoints", "Which sole: waypoints, one of the five shapes, or outline, a drawing.")
     k: list[int] | None = setting(None, "Heights of one sole, to walk with it.")
     length: float = setting(default(Foot.shape, "length"), "Contact length of a shape, m.")
-    apex: str = setting(
-        default(shapes.reversed_triangle, "apex"), "Where the triangle's apex is: middle, toe."
-    )
+    apex: str = setting(default(shapes.reversed_triangle, "apex"), "The triangle's apex: middle, toe.")
     upright: str = setting(default(shapes.reversed_l, "upright"), "Where the L's upright is: toe, heel.")
     path: str | None = setting(None, "File of a sole: DXF, SVG or CSV.")
     units: str | None = setting(None, "Of the file: mm, cm, m, in, pt or px; null: as the file says.")
@@ -257,7 +259,7 @@ class Config:
     """All settings of a run, one group each; plugins are files or modules of the user's own."""
 
     plugins: list[str] = setting(
-        [], "Files (.py) or modules that register your effects, objectives, solvers, studies."
+        [], "Files (.py) or modules with effects, objectives, solvers, studies of yours."
     )
     report: str = setting(
         "full", "What a run leaves: full; print, figures as PDF, too; light, no figures; none, numbers only."

@@ -102,32 +102,30 @@ def named(sand: Any) -> Sand:
         raise SettingError("study.sands", sand, f"a zeta, or one of {', '.join(MEDIA)}") from None
 
 
-def _compared(
-    study: Study, sand: Sand, sides: tuple[Side, Side], objective: str, solver: Solver
-) -> Comparison:
+def _compared(study: Study, sand: Sand, sides: tuple[Side, Side], by: str, solver: Solver) -> Comparison:
     """The best foot of a search on each side, all feet on both, and the order of random soles by both."""
     from scipy.stats import kendalltau
 
     space, threads = study.space, study.config.engine.threads
     feet, values, losses, ranked = {FLAT: Foot.flat(space)}, {}, {}, []
     for side in sides:
-        problem = FootProblem(side.simulator, objective, space, side.accuracy, threads)
+        problem = FootProblem(side.simulator, by, space, side.accuracy, threads)
         asked, name = replace(solver, walks=side.walks), f"{problem.scene.title}, {side.name}"
         with study.executor() as executor, study.progress(asked.generations(space), asked.unit) as step:
             result, confirmed = searched(study, problem, asked, name, side.finer, executor, step)
         best = result.k[confirmed.designs[0]].tolist()
         feet[side.name] = replace(Foot.from_waypoints(best, space), name=side.name)
-    names = list(dict.fromkeys((*FIVE, "joint_work", objective)))
+    names = list(dict.fromkeys((*FIVE, "joint_work", by)))
     k = space.random(study.options.soles, seed=solver.seed, inside=True)
     for side in sides:
         walked = evaluate(list(feet.values()), side.simulator, side.finer, names, space, threads).values
         values[side.name] = {
             foot: dict(zip(names, row, strict=True)) for foot, row in zip(feet, walked.tolist(), strict=True)
         }
-        own, sign = walked[:, names.index(objective)], MEASURES[objective].sign
+        own, sign = walked[:, names.index(by)], MEASURES[by].sign
         best_known = np.asarray(sign * np.nanmin(sign * own[1:]))
-        losses[side.name] = dict(zip(feet, regret(own, best_known, objective).tolist(), strict=True))
-        ranked.append(evaluate(k, side.simulator, side.accuracy, objective, space, threads).values[:, 0])
+        losses[side.name] = dict(zip(feet, regret(own, best_known, by).tolist(), strict=True))
+        ranked.append(evaluate(k, side.simulator, side.accuracy, by, space, threads).values[:, 0])
     good = np.isfinite(ranked).all(axis=0)
     tau = float(kendalltau(ranked[0][good], ranked[1][good]).statistic)
     return Comparison(sand, feet, values, losses, tau, int(good.sum()))
@@ -153,9 +151,7 @@ def table(found: list[Comparison], objective: str) -> Table:
     names = list(dict.fromkeys((objective, "peak_power", "speed_loss", "joint_work")))
     heads = [f"{name.replace('_', ' ')} ({MEASURES[name].unit})".removesuffix(" ()") for name in names]
     columns = ("sand", "foot", *heads, "lost (%)", "on the walker")
-    shown = terminal.table(
-        columns, words=("sand", "foot"), title="On the robot; lost against the better design"
-    )
+    shown = terminal.table(columns, words=("sand", "foot"), title="On the robot; lost against the better one")
     for t in found:
         for foot in t.feet:
             values = t.values[ROBOT][foot]

@@ -18,8 +18,6 @@ from footopt.studies.paper.walks import SANDS, changes, evidence
 from footopt.studies.runs import Study
 from footopt.walk import FIVE, OBJECTIVES, Walk, simulate
 
-__all__ = ["run"]
-
 Entry = Mapping[str, Any]
 VERDICTS = ("holds", "does not hold", "hangs on a choice", "undecided")
 JUDGED = (*FIVE, "efficiency")

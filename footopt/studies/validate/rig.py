@@ -151,9 +151,7 @@ def rod(setup: Values, inputs: Values, scene: Scene, fine: bool) -> dict[str, Ar
     plates = 400 if fine else 100
 
     def drag_of(doubled: str) -> float:
-        width, depth, speed = (
-            setup[name] * (1 + (name == doubled)) for name in ("diameter", "depth", "speed")
-        )
+        width, depth, speed = (setup[one] * (1 + (one == doubled)) for one in ("diameter", "depth", "speed"))
         upright = Foot(np.array([[0.0, -depth], [0.0, 0.0]]), width)
         return float(-body(upright, scene, plates)(np.zeros(1), (speed, 0.0), 0.0)[0, 0])
 
