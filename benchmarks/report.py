@@ -26,7 +26,7 @@ import startup
 from measure import SANDS, arguments, feet, interleaved, processor, scene
 
 import footopt as fo
-from footopt.walk.loop import available_threads
+from footopt.walk.loop import at_once
 
 Row = tuple[str, str, str]  # what, measured, aim
 
@@ -69,7 +69,7 @@ def euler(quick: bool) -> Iterator[Row]:
 
 def absolute(quick: bool) -> Iterator[Row]:
     """3: milliseconds per design and core at `standard`."""
-    k, cores = feet(4 if quick else 320), min(2, available_threads())
+    k, cores = feet(4 if quick else 320), min(2, at_once())
     jobs = {
         f"{sand} {threads}": lambda sand=sand, threads=threads: fo.evaluate(k, scene(sand), threads=threads)
         for sand in SANDS
@@ -119,7 +119,7 @@ def size(quick: bool) -> Iterator[Row]:
             f"power **{power:.2f}** ({times[high] / times[low]:.1f} times for {high / low:.1f})",
             "1",
         )
-    if available_threads() >= 2:
+    if at_once() >= 2:
         faster, busy = growth.in_threads(**small)
         yield (
             "two threads",
@@ -162,7 +162,7 @@ def start(quick: bool) -> Iterator[Row]:
 
 def ga(quick: bool) -> Iterator[Row]:
     """7: the share of a GA run outside the compiled walk."""
-    for threads in range(1, min(2, available_threads()) + 1):
+    for threads in range(1, min(2, at_once()) + 1):
         shares, wall = overhead.search_shares(threads, *((6, 2) if quick else ()))
         listed = ", ".join(f"{name} {100 * v:.1f}" for name, v in shares.items() if name != "kernel")
         yield (
@@ -200,7 +200,7 @@ def main() -> None:
     words = [*(["--quick"] if given.quick else []), *(names if names != list(PARTS) else [])]
     command = " ".join(["python benchmarks/report.py", *words])
     print(
-        f"`{command}`: {processor()}, {available_threads()} cores, python {platform.python_version()}, "
+        f"`{command}`: {processor()}, {at_once()} cores, python {platform.python_version()}, "
         f"numba {numba.__version__}, numpy {np.__version__}, footopt {fo.__version__}.\n"
     )
     print("| footopt against | measured | aim |\n| --- | --- | --- |")

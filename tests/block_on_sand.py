@@ -7,6 +7,7 @@ from numba import njit
 import footopt as fo
 from footopt.mujoco import attach
 from footopt.mujoco.faces import COLUMNS, forces
+from footopt.mujoco.implicit import OPEN
 
 HARD = fo.Sand.named("hard")
 BLOCK = """
@@ -41,9 +42,9 @@ def settle(model, data, seconds):
 
 
 @njit(error_model="numpy")
-def _forces(acting, faces, law, up, surface, forward, twist, c, turn, h0):
+def _forces(acting, open, faces, law, up, surface, forward, twist, c, turn, h0):
     """`footopt.mujoco.faces.forces`, compiled."""
-    return forces(acting, 0.0, faces, law, up, surface, forward, twist, c, turn, h0)
+    return forces(acting, open, faces, law, up, surface, forward, twist, c, turn, h0)
 
 
 def feel(contact, up, twist, height, c=0.0, turn=1e9, bristles=None):
@@ -53,6 +54,7 @@ def feel(contact, up, twist, height, c=0.0, turn=1e9, bristles=None):
     h0 = np.zeros_like(faces[:3]) if bristles is None else bristles.reshape(3, -1)
     way, acting = c * twist, contact.acting
     surface = float(height + up @ way[:3]), tuple((up - np.cross(way[3:], up)).tolist())
+    open = OPEN * contact._space.step["bypass"][0]
     forward, up = (0.0, (1.0, 0.0, 0.0)), tuple(np.asarray(up, float).tolist())
-    total, rows = _forces(acting, faces, body["law"], up, surface, forward, twist, c, turn, h0)
+    total, rows = _forces(acting, open, faces, body["law"], up, surface, forward, twist, c, turn, h0)
     return np.array(total), np.array(rows)

@@ -23,7 +23,7 @@ from footopt.arrays import Array, Ints, Words
 from footopt.design.problem import FootProblem
 from footopt.design.store import ERROR, context, differences, listed
 from footopt.errors import EngineError, FootoptError, check, shortened
-from footopt.walk.loop import at_once, available_threads
+from footopt.walk.loop import at_once
 
 IDLE = 3600.0  # s, for which a worker process stays without work
 ENGINES = ("local", "processes")
@@ -138,7 +138,7 @@ class Workers:
     def __call__(self, k: Ints) -> tuple[Array, Words]:
         """Walk with designs (designs, n); `EngineError` if a worker dies."""
         workers = getattr(self.executor, "workers", getattr(self.executor, "_max_workers", None))
-        size = min(math.ceil(len(k) / EACH / (workers or available_threads())), LARGEST)
+        size = min(math.ceil(len(k) / EACH / at_once(workers)), LARGEST)
         sent, futures = self._sent, []
         try:
             for i in range(0, len(k), size):  # one by one: all that could be submitted are cancelled

@@ -83,11 +83,11 @@ class Contact:
         remembers: bool = False,
     ) -> None:
         mujoco = needed("mujoco", "footopt.mujoco", "mujoco")
-        found, once, acting = _laws(sand, tuple(effects))
+        once, acting = _laws(sand, tuple(effects))
         g = float(np.linalg.norm(model.opt.gravity)) / EARTH
         check(feet, "feet", {}, "a body and its foot, at least")
         check(plates >= 4 and plates % 2 == 0, "plates", plates, "an even number from 4")
-        level = found.tilt == 0.0
+        level = once.tilt == 0.0
         check(level, "effects", "an inclined plane", "on a level one", "Tilt model.opt.gravity.")
         bodies, tables, first, soles = np.zeros(len(feet), BODY), [], 0, dict[int, Array]()
         rows = [mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name) for name in feet]
@@ -103,7 +103,7 @@ class Contact:
                 cut = foot.plates(plates // 2, fill=reshaping(effects))
                 soles[id(foot)] = _sole(cut, foot.width, self.lines)
             table = soles[id(foot)]
-            body["law"] = g * np.array(found.law)
+            body["law"] = g * np.array(once.law)
             body["row"], body["first"], body["last"] = row, first, first + table.shape[1]
             body["reach"] = np.linalg.norm(table[:3], axis=0).max()
             tables.append(table.ravel())
@@ -112,7 +112,7 @@ class Contact:
         step, n = np.zeros(1, STEP), 6 * len(feet)
         step["dt"], step["gravity"] = model.opt.timestep, model.opt.gravity
         step["rk4"] = model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
-        step["length"], step["bypass"] = found.bristle_length or BRISTLE_LENGTH, once.bypass
+        step["length"], step["bypass"] = once.bristle_length or BRISTLE_LENGTH, once.bypass
         jacobian = np.zeros((n, model.nv))
         steps, wrenches = compiled(), with_effects(acting)
         outside = (
@@ -142,7 +142,7 @@ class Contact:
             **{name: np.zeros(shape) for name, shape in scratch.items()},
         )  # fmt: skip
         self.model, self.data, self.names, self._bodies = model, data, tuple(feet), bodies
-        self.acting = found.effects
+        self.acting = once.effects
         self.addresses = np.array([(a.ctypes.data, *a.shape, 0)[:3] for a in self._space])
         _keep(self)
 
@@ -231,11 +231,10 @@ def attach(model: Any, data: Any, feet: Mapping[str, Foot], *given: Any, **optio
 
 
 @lru_cache(maxsize=32)
-def _laws(sand: Sand, effects: tuple[Effect, ...]) -> tuple[World, World, bytes]:
-    """The law of a sand with effects, as it is and as it is compiled, and its compiled effects, pickled."""
-    found = Scene(sand, effects=effects).constants(Accuracy())
-    once = compiled_once(found)
-    return found, once, pickle.dumps(once.effects)
+def _laws(sand: Sand, effects: tuple[Effect, ...]) -> tuple[World, bytes]:
+    """The law of a sand with effects as it is compiled, and its effects, pickled."""
+    once = compiled_once(Scene(sand, effects=effects).constants(Accuracy()))
+    return once, pickle.dumps(once.effects)
 
 
 def _in_one_plane(mujoco: Any, model: Any, data: Any, rows: list[int]) -> bool:

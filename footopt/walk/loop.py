@@ -146,15 +146,10 @@ def _trace(out, row, t, state):
         record(out.bristles, row, len(out.trace), state.bristles.h_n)
 
 
-def available_threads() -> int:
-    """How many processors this process may run on."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-def at_once(given: int | None, setting: str = "engine.threads") -> int:
+def at_once(given: int | None = None, setting: str = "engine.threads") -> int:
     """How many threads or workers there are to be; None: as many as the process may run on."""
     if given is None:
-        return available_threads()
+        return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     check_whole(given, setting, 1, 4096, "Or null: all.")
     return int(given)
 

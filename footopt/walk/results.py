@@ -104,14 +104,6 @@ class Table:
         return frame.rename_axis("foot")
 
 
-class Variable(NamedTuple):
-    """A traced quantity: the names of its dimensions, its unit, its values."""
-
-    dimensions: tuple[str, ...]
-    unit: str
-    values: Array
-
-
 LEAST_FORCE = 1.0  # N, vertical: above it a foot stands on the sand
 
 #: Names of feet by their number; of more of them the numbers.
@@ -209,17 +201,17 @@ class Walk:
         return float(measure.value(self.foot if measure.of == "foot" else self))
 
     @property
-    def variables(self) -> dict[str, Variable]:
-        """Everything traced, by the names that files give it."""
+    def variables(self) -> dict[str, tuple[tuple[str, ...], str, Array]]:
+        """Everything traced, by the names that files give it: names of its dimensions, unit, values."""
         return {
-            "t": Variable(("time",), "s", self.t),
-            "com": Variable(("time", "axis"), "m", self.com),
-            "velocity": Variable(("time", "axis"), "m s-1", self.velocity),
-            "force": Variable(("time", "foot", "axis"), "N", self.force),
-            "power": Variable(("time", "foot"), "W", self.power),
-            "work": Variable(("time", "foot"), "J", self.work),
-            "start": Variable(("axis",), "m", self.start),
-            "sole": Variable(("point", "axis"), "m", self.foot.contour),
+            "t": (("time",), "s", self.t),
+            "com": (("time", "axis"), "m", self.com),
+            "velocity": (("time", "axis"), "m s-1", self.velocity),
+            "force": (("time", "foot", "axis"), "N", self.force),
+            "power": (("time", "foot"), "W", self.power),
+            "work": (("time", "foot"), "J", self.work),
+            "start": (("axis",), "m", self.start),
+            "sole": (("point", "axis"), "m", self.foot.contour),
         }
 
     def to_frame(self) -> Any:
