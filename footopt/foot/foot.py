@@ -227,7 +227,9 @@ def as_feet(feet: Any, space: Waypoints | None = None) -> Sequence[Foot]:
     return Soles(heights, space or Waypoints(n=heights.shape[1])) if heights.size else []
 
 
-def as_plates(feet: Sequence[Foot], plates: int, rule: str, fill: Fill | None = None) -> Plates:
+def as_plates(
+    feet: Sequence[Foot], plates: int, rule: str, fill: Fill | None = None, turns: bool = True
+) -> Plates:
     """The plates of feet.
 
     `fill` changes the soles before they are cut, as an effect does (`footopt.effects.reshaping`); the rest is
@@ -242,4 +244,4 @@ def as_plates(feet: Sequence[Foot], plates: int, rule: str, fill: Fill | None = 
         points = np.stack([foot.points(plates, RULES[rule]) for foot in feet])
     ankle, width, top = (np.array([getattr(b, n) for b in bodies], float) for n in ("ankle", "width", "top"))
     points = points if fill is None else fill(points)
-    return Plates.from_points(points, ankle, width, rule, top if bodies[0].closed else None)
+    return Plates.from_points(points, ankle, width, rule, top if bodies[0].closed else None, turns)

@@ -33,22 +33,25 @@ class Plates(NamedTuple):
     span: Array  # (designs,), m, for which a plate stands; 0 for chords
 
     @classmethod
-    def from_points(cls, points: Array, ankle: Array, width: Array, rule: str, top: Array | None) -> Self:
+    def from_points(
+        cls, points: Array, ankle: Array, width: Array, rule: str, top: Array | None, turns: bool = True
+    ) -> Self:
         """Cut soles into plates, and with a `top` (designs,), m, the sides and tops that close them.
 
         Points (designs, plates * RULES[rule] + 1, 2), m, are at equal steps along the arc, from heel to toe
-        with the sand below. The ankle is (designs, 2), m, the width (designs,), m.
+        with the sand below. The ankle is (designs, 2), m, the width (designs,), m. Without `turns` these are
+        0: they take as long as all else.
         """
         pieces = [(points, RULES[rule])]
         if top is not None:
             pieces.append((cap(points, top, (points.shape[1] - 1) // RULES[rule]), 1))
-        cuts = [[*cut(line, parts), turns_within(line, parts)] for line, parts in pieces]
+        cuts = [cut(line, parts) for line, parts in pieces]
+        for found, (line, parts) in zip(cuts if turns else (), pieces, strict=False):
+            found[7] = turns_within(line, parts)
         span = (
             np.zeros(len(points)) if RULES[rule] == 1 else (cuts[0][4] * width[:, None]).mean(axis=1) / width
         )
-        x, z, c2, s2, length, tx, tz, turn = (
-            np.concatenate(column, axis=1) for column in zip(*cuts, strict=True)
-        )
+        x, z, c2, s2, length, tx, tz, turn = cuts[0] if top is None else np.concatenate(cuts, axis=2)
         return cls(x - ankle[:, :1], z - ankle[:, 1:], c2, s2, length * width[:, None], tx, tz, turn, span)
 
 
@@ -56,11 +59,11 @@ class Plates(NamedTuple):
 def cut(points, parts):
     """The means of `parts` neighbouring chords each along contours (designs, m, 2), m.
 
-    Returns (7, designs, plates): place x and z (m), cosine and sine of twice the angle, length (m), and the
-    direction, a unit vector.
+    Returns (8, designs, plates): place x and z (m), cosine and sine of twice the angle, length (m), the
+    direction, a unit vector, and 0 for turns.
     """
     designs, plates = points.shape[0], (points.shape[1] - 1) // parts
-    out = np.zeros((7, designs, plates))
+    out = np.zeros((8, designs, plates))
     for d in range(designs):
         for i in range(plates):
             x = z = c2 = s2 = total = 0.0

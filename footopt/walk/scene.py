@@ -223,10 +223,10 @@ class Scene(Simulator):
     ) -> Walked:
         """Walk with some feet by the compiled loop, which follows the sinkage where it is asked for."""
         sink, constants = "maximum_sinkage" in names, self.constants(accuracy)
-        fill, parts = effects.reshaping(self.effects), []
+        fill, turns, parts = effects.reshaping(self.effects), constants.effects.gates is not None, []
         size = max(1, min(CHUNK, POINTS // (accuracy.plates * RULES[accuracy.rule])))
         for i in range(0, len(feet), size):
-            plates = as_plates(feet[i : i + size], accuracy.plates, accuracy.rule, fill)
+            plates = as_plates(feet[i : i + size], accuracy.plates, accuracy.rule, fill, turns)
             parts.append(walk_batch(plates, self.path, constants, accuracy, sink, threads)[:3])
         raw, status, counts = (np.concatenate(column) for column in zip(*parts, strict=True))
         raw[status != OK] = np.nan
