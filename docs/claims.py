@@ -23,9 +23,9 @@ def page() -> str:
     found = json.loads((FOLDER / "claims.json").read_text(encoding="utf-8"))
     text = (
         f"# The paper, claim by claim\n\n{summary(found)}. A margin is positive where a claim holds at the "
-        "settings. A claim hangs on what the paper leaves open where another choice turns it; choices are "
-        "made otherwise one at a time, and feet are searched again for each. The paper's slips are among the "
-        "[errata](../../../docs/evidence/errata.md).\n"
+        "default settings. A claim hangs on an open choice if making that choice differently reverses it. "
+        "Choices are changed one at a time, and the feet are searched again for each. The paper's "
+        "mistakes are in the [errata](../../../docs/evidence/errata.md).\n"
     )
     for title, head, rows in tables(found):
         text += f"\n## {title}\n\n{markdown_rows([head, ['---'] * len(head), *rows])}\n"
