@@ -23,7 +23,7 @@ def page() -> str:
     found = json.loads((FOLDER / "claims.json").read_text(encoding="utf-8"))
     text = (
         f"# The paper, claim by claim\n\n{summary(found)}. A margin is positive where a claim holds at the "
-        "default settings. A claim hangs on an open choice if making that choice differently reverses it. "
+        "default settings. A claim depends on an open choice if making that choice differently reverses it. "
         "Choices are changed one at a time, and the feet are searched again for each. The paper's "
         "mistakes are in the [errata](../../../docs/evidence/errata.md).\n"
     )

@@ -92,9 +92,13 @@ def search(
     opened = Store(store, problem) if isinstance(store, (str, Path)) else nullcontext(store)
     with opened as kept:
         evaluator = Evaluator(problem, kept, executor)
-        tell = _line(solver.generations(problem.space)) if progress is True else progress or None
         first = None if start is None else problem.space.check(start)
-        return ask_and_tell(problem, solver, tell, evaluator, stop, first)
+        result = ask_and_tell(
+            problem, solver, _line if progress is True else progress or None, evaluator, stop, first
+        )
+    if progress is True:
+        print(file=sys.stderr)
+    return result
 
 
 @dataclass(frozen=True)
@@ -133,16 +137,11 @@ def _as_solver(solver: Any, budget: dict[str, Any]) -> Solver:
     return OfPymoo(name=type(solver).__name__, algorithm=solver, **given, **budget)
 
 
-def _line(generations: int) -> Callable[[Generation], None]:
+def _line(g: Generation) -> None:
     """A progress that keeps one line of standard error up to date."""
-
-    def show(g: Generation) -> None:
-        value = f"best {g.best:.4g}" if math.isfinite(g.best) else f"hypervolume {g.hypervolume:.4g}"
-        end = "\n" if g.generation == generations else ""
-        where = f"generation {g.generation}/{generations}, {g.evaluations} evaluations"
-        print(f"\r{f'{where}, {value}, {g.seconds:.1f} s':<78}", end=end, file=sys.stderr, flush=True)
-
-    return show
+    value = f"best {g.best:.4g}" if math.isfinite(g.best) else f"hypervolume {g.hypervolume:.4g}"
+    where = f"generation {g.generation}, {g.evaluations} evaluations"
+    print(f"\r{f'{where}, {value}, {g.seconds:.1f} s':<78}", end="", file=sys.stderr, flush=True)
 
 
 def ask_and_tell(

@@ -133,14 +133,14 @@ def describe_errors(errors: Mapping[str, float], values: Mapping[str, float]) ->
     shares = [abs(error / values[name]) for name, error in errors.items() if values[name]]
     if not all(map(math.isfinite, shares)):
         return "No estimate of the numbers' errors."
-    return f"Numbers: exact to {percent(max(shares, default=math.nan))}."
+    return f"Numerical error: at most {percent(max(shares, default=math.nan))}."
 
 
 def describe_foot(foot: Foot) -> str:
-    """A sole in one line: its heights, its hollow, and by how much it leaves its box, if it does."""
+    """A sole in one line: its heights, its hollow, and by how much it leaves its box if that is too far."""
     parts = [f"k = {heights_text(foot.k)}"] if foot.k is not None else [title(foot.name)]
     parts.append(f"hollow {1e3 * foot.hollow:.1f} mm")
-    if foot.box_violation is not None and foot.box_violation >= 5e-6:
+    if foot.space and foot.k and foot.box_violation and not foot.space.inside(foot.k)[0]:
         parts.append(f"outside its box by {1e3 * foot.box_violation:.2f} mm")
     return ", ".join(parts)
 

@@ -104,7 +104,7 @@ def _tell(
     which = FRONT_RULES[problem.choice.by] if several else "Best foot"
     study.say(
         f"{which} for {terminal.describe_scene(walk.scene)}: {terminal.describe_foot(walk.foot)}",
-        terminal.headline(sought, values[sought], base[sought], laws.ranges),
+        *([] if several else [terminal.headline(sought, values[sought], base[sought], laws.ranges)]),
         terminal.objective_table("best", values, base, under=laws.ranges, told=sought),
         laws.rank + terminal.describe_errors(errors, values),
         _sentence(result, confirmed, certificate),
@@ -157,7 +157,7 @@ def _search(
     space = problem.space
     with study.executor() as executor, study.store(problem) as store:
         study.say(
-            f"Searching {space.K}^{space.n} soles for {', '.join(problem.names)} on "
+            f"Searching the best {', '.join(map(title, problem.names))} among {space.K}^{space.n} soles on "
             f"{terminal.describe_scene(problem.scene)} with {solver.name}"
         )
         if known := store.describe():

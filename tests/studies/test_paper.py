@@ -57,8 +57,8 @@ class TestJudgement:
         [
             (1.0, {"a": 2.0, "b": math.nan}, "holds", []),
             (-1.0, {"a": -2.0}, "does not hold", []),
-            (1.0, {"a": 2.0, "b": -1.0, "c": 0.0}, "hangs on a choice", ["b", "c"]),
-            (-1.0, {"a": 2.0, "b": -1.0}, "hangs on a choice", ["a"]),
+            (1.0, {"a": 2.0, "b": -1.0, "c": 0.0}, "depends on a choice", ["b", "c"]),
+            (-1.0, {"a": 2.0, "b": -1.0}, "depends on a choice", ["a"]),
             (1.0, {}, "holds", []),
             (math.nan, {"a": 2.0}, "undecided", []),
         ],

@@ -19,7 +19,7 @@ from footopt.studies.runs import Study
 from footopt.walk import FIVE, OBJECTIVES, Walk, simulate
 
 Entry = Mapping[str, Any]
-VERDICTS = ("holds", "does not hold", "hangs on a choice", "undecided")
+VERDICTS = ("holds", "does not hold", "depends on a choice", "undecided")
 JUDGED = (*FIVE, "efficiency")
 MEASURES = ("distance (m)", "mean height (m)", "work (J)", "peak power (W)", "speed loss (m/s)", "J_W")
 
@@ -63,11 +63,11 @@ def run(study: Study) -> None:
 def judge(margin: float, changed: Mapping[str, float]) -> dict[str, Any]:
     """Judge a claim by its margin at the settings and with each open choice made otherwise.
 
-    It hangs on the choices that turn it. A margin that is NaN, of a walk that failed, turns nothing.
+    It depends on the choices that turn it. A margin that is NaN, of a walk that failed, turns nothing.
     """
     turned = [name for name, m in changed.items() if isfinite(m + margin) and (m > 0.0) != (margin > 0.0)]
-    holds, fails, hangs, undecided = VERDICTS
-    verdict = hangs if turned else holds if margin > 0.0 else fails if isfinite(margin) else undecided
+    holds, fails, depends, undecided = VERDICTS
+    verdict = depends if turned else holds if margin > 0.0 else fails if isfinite(margin) else undecided
     return {"margin": margin, "verdict": verdict, "hangs_on": turned, "changed": dict(changed)}
 
 
@@ -91,7 +91,7 @@ def summary(found: Entry) -> str:
     """The number of claims with each verdict, in one line."""
     verdicts = [claim["verdict"] for claim in found["claims"]]
     hold, fail, depend, _ = map(verdicts.count, VERDICTS)
-    return f"{len(verdicts)} claims: {hold} hold, {fail} do not hold, {depend} hang on a choice"
+    return f"{len(verdicts)} claims: {hold} hold, {fail} do not hold, {depend} depend on a choice"
 
 
 def tables(found: Entry) -> list[tuple[str, Sequence[str], list[list[str]]]]:
@@ -112,7 +112,7 @@ def tables(found: Entry) -> list[tuple[str, Sequence[str], list[list[str]]]]:
 
 
 def _judgement(claim: Entry) -> list[str]:
-    """The margin of a claim, and its verdict with what it hangs on."""
+    """The margin of a claim, and its verdict with what it depends on."""
     margin, verdict, turned = claim["margin"], claim["verdict"], ", ".join(claim["hangs_on"])
     if turned:
         verdict = f"holds, but not with {turned}" if margin > 0.0 else f"holds only with {turned}"
