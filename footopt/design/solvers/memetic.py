@@ -221,7 +221,8 @@ class Archive(Moves):
 
     def _advance(self, infills: Any = None, told: Any = None, **kwargs: Any) -> None:
         if self.sought:
-            self.alone[self.turn]._advance(told=told.take(slice(self.sought)).by(self.turn))
+            first = told.take(slice(self.sought))
+            self.alone[self.turn]._advance(told=first._replace(F=first.F[:, [self.turn]]))
         self.front = self.front.front_with(told)
         if len(self.front.X) > REMEMBERED:
             self.front = self._least_crowded(REMEMBERED // 2)

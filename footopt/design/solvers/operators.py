@@ -18,6 +18,7 @@ from pymoo.operators.repair.rounding import RoundingRepair
 from pymoo.operators.sampling.rnd import IntegerRandomSampling
 
 from footopt.arrays import Array, Bools, Ints
+from footopt.design.solvers.moves import ExchangeRun, OnlyNew, RandomInside, ShiftRun
 from footopt.errors import check
 
 DIRECTIONS = 1000  # of reference, at most
@@ -83,8 +84,6 @@ def operators(
 
 def by_runs() -> dict[str, Any]:
     """The same of moves that suit a spline: no design twice, and none outside its box."""
-    from footopt.design.solvers.moves import ExchangeRun, OnlyNew, RandomInside, ShiftRun
-
     return {
         "sampling": RandomInside(),
         "crossover": ExchangeRun(),

@@ -36,10 +36,6 @@ class Pool(NamedTuple):
         columns: Any = map(np.concatenate, zip(self[1:], new[1:], strict=True))
         return Pool(Population.merge(self.pop, new.pop), *columns)
 
-    def by(self, objective: int) -> Pool:
-        """With one objective alone."""
-        return self._replace(F=self.F[:, [objective]])
-
     def order(self) -> Ints:
         """Places for one objective, best first: the feasible, then the least violation."""
         return np.lexsort((self.F[:, 0], np.maximum(self.violation, 0.0)))
