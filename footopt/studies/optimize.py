@@ -25,16 +25,16 @@ from footopt.files import io as files
 from footopt.files.feet import write_all
 from footopt.foot import Foot, Waypoints
 from footopt.report import terminal
-from footopt.report.numbers import number, quantity, title
+from footopt.report.numbers import number, percent, quantity, title
 from footopt.report.output import foot_entry, report_generations
 from footopt.studies.build import make_problem
 from footopt.studies.effects import choose_effects
 from footopt.studies.laws import Laws, evaluated
 from footopt.studies.runs import Study
 from footopt.studies.simulate import check_files, judged, write_film, write_walk
-from footopt.walk import MEASURES, Walk, gain_shares, simulate
+from footopt.walk import MEASURES, Accuracy, Walk, gain_shares, simulate
 from footopt.walk.checks import Diagnostic
-from footopt.walk.ladder import numerics
+from footopt.walk.ladder import SHARE, ladder, numerics
 
 LEADERS = 4  # best soles of an enumerated space that are drawn in one frame
 
@@ -160,6 +160,7 @@ def _search(
             f"Searching the best {', '.join(map(title, problem.names))} among {space.K}^{space.n} soles on "
             f"{terminal.describe_scene(problem.scene)} with {solver.name}"
         )
+        study.say(*_describe_ladder(problem))
         if known := store.describe():
             study.say(known)
         with study.progress(solver.generations(space), solver.unit) as step:
@@ -244,3 +245,18 @@ def _draw(study: Study, result: SearchResult, leaders: Any, flat: dict[str, floa
         marks = {"chosen": values[leaders[0]], "flat sole": [flat[name] for name in problem.names]}
         drawn = figures.scatter_matrix({f"{len(front)} {FRONT}": front}, problem.names, marks)
         study.save("scatter_matrix", drawn)
+
+
+def _describe_ladder(problem: FootProblem) -> list[str]:
+    """A tolerance in words: its numbers, and what finding them cost; nothing of numbers by hand."""
+    if isinstance(accuracy := problem.accuracy, Accuracy):
+        return []
+    numbers, found = ladder(accuracy, problem.scene, problem.space)
+    if not found.work > 0.0:  # no sole has walked
+        return []
+    worst = percent(found.error) if math.isfinite(found.error) else "some fail"
+    missed = "" if found.error <= SHARE * accuracy.error else f", missed by random soles ({worst})"
+    return [
+        f"Errors within {percent(accuracy.error)}{missed}: {numbers.plates} plates and steps of "
+        f"{1e3 * numbers.dt:.3g} ms at most, found in the time of {found.price / found.work:.0f} walks"
+    ]
