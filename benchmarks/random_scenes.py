@@ -207,7 +207,7 @@ def truth_of(feet, scene, space=None, refined=False):
     """Objectives and reasons by much finer plates, creep speed and steps; refined: for `fine`."""
     own = numerics(PRESETS["standard"], scene, as_feet(feet, space))
     period, speed = scene.gait.period / 1.2, (scene.walker.l1 + scene.walker.l2) / scene.gait.period
-    plates = min(max(1024, 8 * own.plates), 6400)
+    plates = min(max(1024, 8 * own.plates), 16_000)
     creep = min(2.6e-6 * speed, own.creep / 8)
     finest = fo.Accuracy("sdirk2", 4e-4 * period, plates, creep, "truth", control=1.3e-7 * speed)
     if refined:

@@ -56,7 +56,12 @@ CASES = {
     ),
     "a cliff on Mars": (soles(), measured(233.0, 60.0, 3.71, STEP, fo.LeadingEdge(), fo.Inertia())),
 }
-RIGHT = ("a level slab on zeta 200", "leading edge on hard sand", "smooth soles of 40 on the Moon")
+RIGHT = (
+    "a level slab on zeta 200",
+    "a comb of 200 waypoints",
+    "leading edge on hard sand",
+    "smooth soles of 40 on the Moon",
+)
 
 
 @pytest.mark.slow
