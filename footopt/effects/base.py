@@ -16,7 +16,7 @@ are numbers with their derivatives (`footopt.effects.dual`), so that they give t
 and that module's functions. A new effect is a file beside this one, or a user's own: a law, and a dataclass
 with a name by which settings find it, ``class Mine(Effect, name="mine")``. Every parameter has a default, and
 a numpydoc section *Parameters* is its help. A push is called for plates in the air, too, and has to be 0 at a
-depth of 0.
+depth of 0 and continuous in n.v, which is about 1e-4 m/s for a walker that stands.
 """
 
 from __future__ import annotations

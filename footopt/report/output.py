@@ -74,7 +74,7 @@ class Output:
     @contextmanager
     def compiling(self, what: str = "the walk") -> Iterator[None]:
         """Say that something is being compiled if the block takes longer than `PATIENCE`."""
-        message = f"Compiling {what}; this is done once and kept on disk ..."
+        message = f"Compiling {what}; footopt's own code is kept on disk ..."
         timer = threading.Timer(PATIENCE, self.say, [message])
         timer.start()
         try:

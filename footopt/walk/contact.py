@@ -1,7 +1,8 @@
 """The compiled contact: RFT on every plate of both feet, with its Jacobian, and where it carries the walker.
 
 The paper's eq. 4 places and moves each plate (`kinematics`), eq. 1 gives its force (`resistance`), effects
-change it (`plate_force`), eq. 2 adds the plates of a foot (`foot_force`). The law is the affine form of
+change it (`plate_force`), eq. 2 adds the plates of a foot (`foot_force`). Eq. 5, the motion that
+they cause, is `steppers.acceleration`, in implicit stages `newton.residual`. The law is the affine form of
 `footopt.sand.law`, so that the loop over plates holds no angle and no branch. Directions of motion are
 smoothed by the creep speed, h = v / sqrt(|v|^2 + eps^2), so that the law is single-valued at rest and
 implicit steps converge.

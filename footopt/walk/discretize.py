@@ -33,7 +33,7 @@ class Path(NamedTuple):
 
 
 def compiled_once(world: World) -> World:
-    """A world without gates as one that bypasses them: one compiled walk for every plausible law."""
+    """A world without gates as one that bypasses them: one compiled walk serves all plausible laws."""
     if world.effects.gates is not None:
         return world
     gates = effects.laws([kind() for kind in effects.EFFECTS.values() if kind.plausible]).gates

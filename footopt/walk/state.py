@@ -24,7 +24,7 @@ COUNTS = np.dtype([(name, np.int64) for name in ("evaluations", *COUNTED)])
 class World(NamedTuple):
     """The constants of a walk: the sand, the walker, the smoothing."""
 
-    law: Law  # N/m^3
+    law: Law  # the stress map times `Scene.zeta`, N/m^3
     mass: float  # kg
     g: float  # against the surface's normal, m/s^2
     tilt: float  # gravity along the surface, m/s^2: 0 if it is level
