@@ -181,7 +181,7 @@ def run(overrides: Sequence[str] = (), folder: str | Path | None = None) -> Run:
     Raises
     ------
     FootoptError
-        What the command line ends with: it names the setting and says what is allowed.
+        The message with which the command line ends; it names the setting and says what is allowed.
     """
     check(not isinstance(overrides, str), "overrides", overrides, f"a list, such as [{overrides!r}]")
     given = [str(one) for one in overrides]

@@ -16,9 +16,7 @@ class Laws(NamedTuple):
     """What is known of the best foot under other laws; all is empty where it is evaluated under none."""
 
     entry: dict[str, Any]  # in result.json
-    ranges: dict[
-        str, list[float]
-    ]  # of the best foot's changes from the flat one under the other laws, by name
+    ranges: dict[str, list[float]]  # of the best foot's changes from the flat one under the others, by name
     rank: str  # under how many laws, and at which zetas, it is better than the flat one; ends with a space
     to_print: Foot | None = None  # the foot that loses least under the worst law
     printed: tuple[str, ...] = ()  # that foot in two lines; in one if it is the best one

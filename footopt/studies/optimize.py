@@ -95,11 +95,8 @@ def _tell(
     result: SearchResult, confirmed: Confirmation, certificate: Certificate | None,
 ) -> None:  # fmt: skip
     """Print the answer, and warnings about it; everything else about it with study.details."""
-    problem, values, base, errors = (
-        result.problem,
-        *(entry[n] for n in ("objectives", "flat", "error_estimate")),
-    )
-    several = problem.n_obj > 1
+    values, base, errors = (entry[name] for name in ("objectives", "flat", "error_estimate"))
+    problem, several = result.problem, result.problem.n_obj > 1
     sought = "efficiency" if several else problem.ranking_objective
     which = FRONT_RULES[problem.choice.by] if several else "Best foot"
     study.say(
@@ -156,8 +153,9 @@ def _search(
     """Search where `engine` says, keep every walk in the run's store, and confirm what was found."""
     space = problem.space
     with study.executor() as executor, study.store(problem) as store:
+        sought = ", ".join(map(title, problem.names))
         study.say(
-            f"Searching the best {', '.join(map(title, problem.names))} among {space.K}^{space.n} soles on "
+            f"Searching for the best {sought} among {space.K}^{space.n} soles on "
             f"{terminal.describe_scene(problem.scene)} with {solver.name}"
         )
         study.say(*_describe_ladder(problem))
