@@ -89,6 +89,7 @@ def fit_height(figure: Figure, column: Sequence[Axes]) -> None:
     figure.set_figheight(figure.get_figheight() + more / figure.dpi)
     for axes in equal:
         axes.set_aspect("equal")
+    lay_out(figure)
 
 
 @styled()
