@@ -61,13 +61,15 @@ def table(
     """A table that fits into 80 columns if it can: columns of `words` wrap, those of numbers never."""
     looks: Any = {"title_justify": "left", "caption_justify": "left", "padding": (0, 1, 0, 0)}
     shown = RichTable(title=title, box=box.SIMPLE, show_edge=False, pad_edge=False, **looks)
+    cells = [*rows]
     for i, name in enumerate(columns):
         if name in words:
             shown.add_column(name, overflow="fold", min_width=None if i else WORDS)
         else:
-            broken = textwrap.fill(name, HEADER, break_long_words=False)
-            shown.add_column(broken, justify="right", no_wrap=True)
-    for row in rows:
+            width = max([HEADER, *(len(row[i]) for row in cells)])
+            header = textwrap.fill(name, width, break_long_words=False)
+            shown.add_column(header, justify="right", no_wrap=True)
+    for row in cells:
         shown.add_row(*row)
     return shown
 
@@ -102,7 +104,9 @@ def objective_table(
         own = {name: values[name] / flat[name] - 1.0 if flat[name] else math.nan for name in names}
         columns["other laws"] = [span(name, under[name]) for name in names]
         columns[""] = [doubtful(own[name], under[name]) for name in names]
-    return table([*columns], ("objective", "unit", ""), rows=zip(*columns.values(), strict=True))
+    shown = table([*columns], ("objective", "unit", ""), rows=zip(*columns.values(), strict=True))
+    shown.box, shown.padding = None, (0, 2, 0, 0)
+    return shown
 
 
 def span(name: str, changes: Sequence[float]) -> str:
@@ -122,8 +126,8 @@ def doubtful(own: float, changes: Sequence[float]) -> str:
 
 def headline(by: str, value: float, flat: float, under: Mapping[str, Sequence[float]]) -> str:
     """What the best foot gains over the flat one, and by how much under other laws."""
-    laws, name = under.get(by, ()), title(by)
-    told = f"; {span(by, laws)} under {len(laws)} other laws of sand" if laws else ""
+    laws, name = under.get(by, ()), f"{'Efficiency ' * (by == 'efficiency')}{title(by)}"
+    told = f"; {span(by, laws)} by {len(laws)} other sand laws" if laws else ""
     doubt = doubtful(value / flat - 1.0, laws) if flat else ""
     return f"{name} {change(by, value, flat)} against a flat foot{told}{doubt and f', {doubt}'}."
 
@@ -133,7 +137,7 @@ def describe_errors(errors: Mapping[str, float], values: Mapping[str, float]) ->
     shares = [abs(error / values[name]) for name, error in errors.items() if values[name]]
     if not all(map(math.isfinite, shares)):
         return "No estimate of the numbers' errors."
-    return f"Numerical error: at most {percent(max(shares, default=math.nan))}."
+    return f"Numerical error <= {percent(max(shares, default=math.nan))}."
 
 
 def describe_foot(foot: Foot) -> str:

@@ -109,7 +109,8 @@ def run(study: Study) -> None:
             "warnings": found.warnings,
         },
         summary=[
-            f"{len(found.depth)} measurements {depths} mm deep, in {len(found.repeats)} repeats.",
+            f"{len(found.depth)} measurements {depths} mm deep, in {len(found.repeats)} "
+            f"repeat{'s' if len(found.repeats) > 1 else ''}.",
             f"Design for it: {use}{'' if found.spread is None else drawn}",
             *(Text(w, style="yellow") for w in found.warnings),
         ],
@@ -123,7 +124,7 @@ def table(found: Calibration) -> Table:
     shown.title = f"95 % intervals {repeats}"
     shown.add_row("zeta", *map(number, found.zeta))
     for name, ratio in found.parts.items():
-        shown.add_row(f"zeta {name}, over that of all", *map(number, ratio))
+        shown.add_row(f"zeta {name} / zeta of all", *map(number, ratio))
     return shown
 
 
@@ -173,7 +174,7 @@ def calibrate(path: str | Path, stress_map: StressMap = GENERIC) -> Calibration:
         set_up = np.array([f"{a:.3g} cm² at {b:g}° moved at {g:g}°"
                            for a, b, g in zip(area, angle, direction, strict=True)])  # fmt: skip
         shallow = SHALLOW * depth.max()
-        parts = {f"above {shallow:.3g} mm": depth <= shallow}
+        parts = {f"less than {shallow:.3g} mm deep": depth <= shallow}
         names = dict.fromkeys(set_up.tolist())
         parts |= {f"with {name}": set_up == name for name in names if len(names) > 1}
 

@@ -28,7 +28,7 @@ def evaluated(study: Study, result: SearchResult, confirmed: Confirmation) -> La
     if len(under.laws) > 1 and problem.n_obj == 1:
         zetas = better_zetas(problem, under.k[0], under.k[-1])
         count = sum(int(losses[0] < losses[-1]) for losses in under.losses)
-        rank = f"Better than flat under {count} of {len(under.laws)} laws{_at(zetas, problem.scene)}. "
+        rank = f"Beats flat under {count} of {len(under.laws)} laws{_at(zetas, problem.scene)}. "
     found = Laws({"laws": under.entry(0), "better_than_flat_zeta": zetas}, under.range_of(0), rank)
     chosen = None if study.options.laws is None else under.steadiest
     if chosen is None:
@@ -43,8 +43,8 @@ def evaluated(study: Study, result: SearchResult, confirmed: Confirmation) -> La
         return found._replace(entry=entry, to_print=foot, printed=(same,))
     own, *others = (law["change"][name] for law in laws)
     gain = f"{title(name)} {change(name, 1.0 + own, 1.0)} ({terminal.span(name, others)})"
-    told = f"{gain}; loses at most {percent(worst)} under any law, the foot above {percent(of_best)}."
-    lines = (f"To print: {terminal.describe_foot(foot)}", told)
+    told = f"{gain}; loses at most {percent(worst)} under any law, the first {percent(of_best)}."
+    lines = (f"To print, chosen for all {len(laws)} laws: {terminal.describe_foot(foot)}", told)
     return found._replace(entry=entry, to_print=foot, printed=lines)
 
 
@@ -67,7 +67,7 @@ def _at(zetas: tuple[float | None, float | None] | None, scene: Any) -> str:
     ends = *zetas, scene.sand.zeta / REACH, scene.sand.zeta * REACH
     low, high, least, most = (end and number(float(f"{end:.2g}")) for end in ends)
     if low and high:
-        return f", from zeta {low} to {high}"
+        return f", for zeta {low} to {high}"
     if low or high:
-        return f", from zeta {low} on" if low else f", up to zeta {high}"
-    return f", at every zeta from {least} to {most}"
+        return f", for zeta >= {low}" if low else f", for zeta <= {high}"
+    return f", for every zeta from {least} to {most}"

@@ -6,6 +6,7 @@ from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
+from rich.text import Text
 
 from footopt.design import (
     EXHAUSTIVE,
@@ -83,7 +84,7 @@ def run(study: Study) -> Any:
         page.write(study.folder / "report.html", shown | study.origin)
     write_film(study, walk)
     _tell(study, walk, entry, diagnostics, laws, result, confirmed, certificate)
-    study.close()
+    study.close("print contour.stl" if laws.to_print is None else "print to_print.stl")
     if result.interrupted:
         done, every = len(result.history), solver.generations(problem.space)
         raise KeyboardInterrupt(f"after {solver.unit} {done} of {every}, with a full report")
@@ -115,9 +116,10 @@ def _tell(
             terminal.objective_table("best", values, base, errors),
         )
         terminal.print_validity(study.console, diagnostics)
-    elif outside := [d.name for d in diagnostics if d.outside]:
-        see = " (report.html says why)" if study.wants_report else ""
-        terminal.warn(study.console, f"outside the tested range: {', '.join(outside)}{see}.")
+    elif outside := [d.short for d in diagnostics if d.outside]:
+        count = f"{len(outside)} warning{'s' if len(outside) > 1 else ''} ({', '.join(outside)})"
+        where = "report.html" if study.wants_report else "study.details=true"
+        study.say(Text(f"{count}: see {where}.", style="yellow"))
     for words in (*_warnings(problem, values, base), *terminal.describe_few(result)):
         terminal.warn(study.console, words)
 

@@ -37,6 +37,14 @@ WHY = {
     "length of the sole over the leg's": "lengths are in m, and foot.L is half of the sole's",
     "length of the leg over the sole's": "lengths are in m, those of thigh and shank, too",
 }  # fmt: skip
+#: Names that are read without WHY beside them.
+SHORT = {
+    "depth of the sole": "deep sole",
+    "depth of the ankle": "ankle in the sand",
+    "force-weighted plate speed": "fast plates",
+    "inertial share of the force": "inertia of the sand",
+    "share of |W| on trailing faces": "trailing faces",
+}
 RARE = tuple(WHY)[5:]  # told only where they are beyond their limit
 
 
@@ -49,6 +57,11 @@ class Diagnostic:
     unit: str
     limit: float
     why: str
+
+    @property
+    def short(self) -> str:
+        """The name in two or three words."""
+        return SHORT.get(self.name, self.name)
 
     @property
     def outside(self) -> bool:

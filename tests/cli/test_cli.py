@@ -70,6 +70,20 @@ class TestOptimize:
         np.testing.assert_allclose(contour, 1e3 * fo.Foot.from_waypoints(found["k"]).contour, atol=1e-6)
         assert {path.suffix for path in folder.glob("to_print.*")} >= {".csv", ".dxf", ".svg", ".stl"}
 
+    def test_the_answer_has_14_lines_that_fit_a_terminal_with_its_range_and_what_to_open(self, run_ga):
+        said, entry = run_ga[0].stdout.splitlines(), json.loads((run_ga[1] / "result.json").read_text())
+        (first,) = (i for i, line in enumerate(said) if line.startswith("Best foot"))
+        caution = next(line for line in said if "Only" in line)  # a search of more designs has none
+        answer = [line.rstrip() for line in said[first:] if line != caution]
+        assert len(answer) <= 14
+        assert all(len(line) <= 80 for line in answer[2:-1])
+        gains = [1.0 + law["change"]["efficiency"] for law in entry["laws"]]
+        assert f"x {gains[0]:.2f} " in answer[1]
+        assert f"x {min(gains[1:]):.2f} to {max(gains[1:]):.2f} by 5 other" in answer[1]
+        for name in ("report.html", "to_print.stl"):
+            assert name in answer[-1]
+            assert (run_ga[1] / name).is_file()
+
 
 def test_any_measure_is_an_objective_and_is_told_once(tmp_path):
     done = footopt(*QUICK, "objective=work", "report=none", cwd=tmp_path)

@@ -77,7 +77,7 @@ class TestWarnings:
         straight = calibrate(plates_in_sand(tmp_path / "t.csv", rng, repeats=repeats))
         assert not any("above" in w for w in straight.warnings)
         bent = calibrate(plates_in_sand(tmp_path / "t.csv", rng, 0.8, 1.34, repeats))
-        assert "zeta of the tests above 16 mm is 0.7" in bent.warnings[0]
+        assert "zeta of the tests less than 16 mm deep is 0.7" in bent.warnings[0]
 
 
 @pytest.mark.parametrize("mark", [";", "\t"])

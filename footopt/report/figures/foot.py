@@ -55,7 +55,8 @@ def draw_contour(axes: Axes, foot: Foot) -> None:
     depth = MM * foot.hollow
     if depth >= HOLLOW:
         axes.plot(*(MM * hull).T, ":", color="black", label="_lower hull", zorder=2)
-        arrow = {"arrowstyle": "<->", "lw": 0.8, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 6}
+        shape = "<->" if depth > 5.0 else "-"  # two heads need room
+        arrow = {"arrowstyle": shape, "lw": 0.8, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 6}
         axes.annotate("", (MM * x, MM * high), (MM * x, MM * low), arrowprops=arrow)
         # under the hull, where there is never a sole nor an ankle
         axes.annotate(f"hollow {depth:.1f} mm", (MM * x, MM * low), (0, -8), **near, ha="center", va="top")

@@ -133,11 +133,8 @@ def _common(
     entry: dict[str, Any], walk: Walk, names: Sequence[str], accuracy: AnyAccuracy, foot: Foot | Waypoints
 ) -> dict[str, Any]:
     """The columns of values, the scene's gait, the constants of walks, and the run's own entry."""
-    scene, world, spread = (
-        walk.scene,
-        walk.world,
-        entry.get("settings", {}).get("sand", {}).get("spread", 0.0),
-    )
+    scene, world = walk.scene, walk.world
+    spread = entry.get("settings", {}).get("sand", {}).get("spread", 0.0)
     t = np.linspace(0.0, world.duration, int(np.ceil(world.duration / POSE_STEP)) + 1)
     angles = np.stack([angle for angle, _ in world.gait.angles(t)], axis=-1)
     return {
