@@ -138,9 +138,8 @@ class Output:
 
     def close(self, todo: str = "") -> None:
         """Print the last line: where the run has left what it found, and what to do with it."""
-        line = f"Everything is in {self.folder} ({self.seconds:.3g} s in all)"
-        if self.wants_report:
-            line += f": open report.html{todo and f', {todo}'}"
+        todo = f": open report.html{todo and f', {todo}'}" if self.wants_report else ""
+        line = f"Everything is in {self.folder} ({self.seconds:.3g} s in all){todo}"
         self.console.print(line, soft_wrap=True)  # no line break in what is to be copied
 
 

@@ -142,7 +142,7 @@ function designSection() {
     answer.replaceChildren(...(compared ? [gain(chosen), toPrint()] : []));
     numbers.replaceChildren(...(compared
       ? [bars(chosen, Math.max(widthOf(numbers), 250)), el("p", { class: "note" }, "Solid: better than the flat foot; dashed: worse. Error ticks: the numerical error.",
-        underLaws(chosen, data.columns[0].name).length ? ` Circles: the result under other sand laws${best || chosen === data.printed ? "" : `, those that this page simulates (${P.others.map(({ law }) => law).join(", ")})`}.` : "", ` ${accuracy}`, gain(chosen) && "J_W, which the paper minimises: −distance × mean height / (work × peak power × speed loss).", OF_THE_LAW)]
+        underLaws(chosen, data.columns[0].name).length ? ` Circles: the result under other sand laws, which the table below names${best || chosen === data.printed ? "" : `, those that this page simulates (${P.others.map(({ law }) => law).join(", ")})`}.` : "", ` ${accuracy}`, gain(chosen) && "J_W, which the paper minimises: −distance × mean height / (work × peak power × speed loss).", OF_THE_LAW)]
       : [scrolled("Values", valueTable(chosen, same ? null : entry.flat)), el("p", { class: "note" }, accuracy, OF_THE_LAW)]));
     exact.refresh();
     warn(chosen);
