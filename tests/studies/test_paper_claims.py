@@ -93,8 +93,7 @@ ALONE |= {"hard_hollow", "regular_convex", "soft_convex"}
 
 
 class TestClaims:
-    def test_every_claim_has_a_measure_and_every_measure_a_claim(self, evidence):
-        assert list(CLAIMS) == list(MEASURES)
+    def test_every_claim_has_a_margin(self, evidence):
         assert np.isfinite(list(measure(evidence, "walk").values())).all()
         assert f"less {LIMITS['marked_loss']:g} m/s" in CLAIMS["circle_loses"]["decided"]
 

@@ -1,12 +1,13 @@
 """Measures of the paper's claims: signed margins, positive where a claim holds.
 
-claims.toml has the words of each claim: what its measure computes, and in which unit. A margin is NaN where a
-walk that it needs failed.
+claims.toml has each claim in words, and which of these numbers are its margin. A margin is NaN where a walk
+that it needs failed.
 """
 
 import tomllib
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from importlib.resources import files
 from typing import Any
 
@@ -15,12 +16,13 @@ import numpy as np
 from footopt.arrays import Array
 from footopt.foot import SHAPES, Foot
 from footopt.gait import RIGHT
-from footopt.studies.paper.walks import SANDS, switch_losses
+from footopt.studies.paper.walks import switch_losses
 from footopt.walk import Walk
 from footopt.walk.results import LEAST_FORCE, stance
 
 Numbers = Mapping[str, Any]  # of a walk, by name; NaN where it failed
-Walks = Mapping[str, Numbers]  # of the walks of `evidence`, by their names
+Walks = Mapping[str, Numbers]  # of the walks of `evidence`, by their names; "shapes": of the five together
+Names = Sequence[str]
 
 #: Numbers that stand in for the paper's words; none was moved to turn a verdict.
 LIMITS = {
@@ -116,75 +118,25 @@ def rms(curves: Array) -> Array:
     return np.asarray(np.sqrt(np.mean(curves**2, axis=-1)))
 
 
-def lead(walks: Walks, group: Iterable[str], number: str, *names: str) -> float:
-    """How far a number of some walks is above that of all others of a group."""
-    others = [walks[name][number] for name in group if name not in names]
-    return float(np.min([walks[name][number] for name in names]) - np.max(others))
+def margin(
+    walks: Walks, of: Names, numbers: Names, above: Names = (), below: Names = (), scale: float = 1.0
+) -> float:
+    """How far numbers of walks are above, or below, those of others or limits, where that is least."""
+
+    def values(names: Names, number: str) -> Array:
+        found = [walks[name][number] if name in walks else LIMITS.get(name, name) for name in names]
+        return np.array(found, float) if above else -np.array(found, float)
+
+    return scale * float(np.min([values(of, n).min() - values(above or below, n).max() for n in numbers]))
 
 
-def trail(walks: Walks, group: Iterable[str], number: str, *names: str) -> float:
-    """How far a number of some walks is below that of all others of a group."""
-    others = [walks[name][number] for name in group if name not in names]
-    return float(np.min(others) - np.max([walks[name][number] for name in names]))
-
-
-def least_lead(walks: Walks, group: Iterable[str], numbers: Iterable[str], name: str) -> float:
-    """How far several numbers of a walk are above those of all others, of the one where that is least."""
-    return float(np.min([lead(walks, group, number, name) for number in numbers]))
-
-
-def more(walks: Walks, number: str, name: str = "crossed") -> float:
-    """How much more of a number a walk on hard sand has than that with its best foot."""
-    return float(walks[name][number] - walks["hard"][number])
-
-
-TRIANGLE = "reversed_triangle"
-LOSSES = ("loss_0", "loss_1", "loss_2")
-MEASURES: dict[str, Callable[[Walks], float]] = {
-    # the five shapes
-    "triangle_furthest": lambda w: lead(w, SHAPES, "distance", TRIANGLE),
-    "triangle_fastest": lambda w: lead(w, SHAPES, "mean_speed", TRIANGLE),
-    "flat_next": lambda w: lead(w, {*SHAPES} - {TRIANGLE}, "distance", "rectangle"),
-    "circle_highest": lambda w: lead(w, SHAPES, "mean_height", "circle"),
-    "circle_shortest": lambda w: trail(w, SHAPES, "distance", "circle"),
-    "circle_loses": lambda w: np.min([w["circle"][n] for n in LOSSES]) - LIMITS["marked_loss"],
-    "circle_loses_most": lambda w: least_lead(w, SHAPES, LOSSES, "circle"),
-    "same_vertical_velocity": lambda w: LIMITS["not_obvious"] - parting(w),
-    "circle_most_power": lambda w: lead(w, SHAPES, "peak_power", "circle"),
-    "ellipse_and_flat_least_power": lambda w: trail(w, SHAPES, "peak_power", "ellipse", "rectangle"),
-    # the contours
-    "hard_hollow": lambda w: -w["hard"]["convexity"],
-    "hard_bends_in": lambda w: lead(w, SANDS, "inward_turn", "hard"),
-    "regular_convex": lambda w: w["regular"]["convexity"],
-    "soft_convex": lambda w: w["soft"]["convexity"],
-    "regular_curves_little": lambda w: -more(w, "curvature", "regular"),
-    "soft_curves_little": lambda w: -more(w, "curvature", "soft"),
-    # a step on hard sand
-    "hollow_spares_plates": lambda w: more(w, "middle_zone", "filled"),
-    "hollow_saves_work": lambda w: more(w, "work", "filled"),
-    "push_off_carries": lambda w: w["hard"]["push_off_share"] - 0.5,
-    "regular_foot_larger_zone": lambda w: more(w, "zone"),
-    "regular_foot_leads": lambda w: 1e3 * more(w, "centre"),
-    "regular_foot_pushes_longer": lambda w: more(w, "push_time"),
-    "regular_foot_more_power": lambda w: more(w, "peak_power"),
-    "regular_foot_more_work": lambda w: more(w, "work"),
-    # three sands, each with its best foot
-    "hard_furthest": lambda w: lead(w, SANDS, "distance", "hard"),
-    "hard_sinks_least": lambda w: trail(w, SANDS, "maximum_sinkage", "hard"),
-    "soft_shortest": lambda w: trail(w, SANDS, "distance", "soft"),
-    "soft_sinks_deepest": lambda w: lead(w, SANDS, "maximum_sinkage", "soft"),
-    "soft_loses_most": lambda w: least_lead(w, SANDS, LOSSES, "soft"),
-    "soft_slowest_start": lambda w: lead(w, SANDS, "time_to_speed", "soft"),
-    "soft_peak_drag": lambda w: least_lead(w, SANDS, ("peak_drag_forwards", "peak_drag_backwards"), "soft"),
-    "soft_mean_drag": lambda w: least_lead(w, SANDS, ("mean_drag_forwards", "mean_drag_backwards"), "soft"),
-    "soft_longest_contact": lambda w: lead(w, SANDS, "contact_share", "soft"),
-    "soft_most_work": lambda w: lead(w, SANDS, "work_after_three_steps", "soft"),
-}
-
-#: The words of each claim, by the name of its measure.
-CLAIMS: dict[str, dict[str, str]] = tomllib.loads(
+#: The words of each claim by its name, and what it measures.
+CLAIMS: dict[str, dict[str, Any]] = tomllib.loads(
     files(__package__).joinpath("claims.toml").read_text(encoding="utf-8")
 )
+MEASURES: dict[str, Callable[[Walks], float]] = {
+    name: partial(margin, **claim.pop("margin")) for name, claim in CLAIMS.items()
+}
 for claim in CLAIMS.values():
     claim["decided"] = claim["decided"].format(**LIMITS)
 
@@ -193,4 +145,5 @@ def measure(walks: Mapping[str, Walk], speed_loss: str) -> dict[str, float]:
     """The margins of all claims, by their names, of the walks of `evidence` and the reading of dV_x."""
     found = {name: numbers(walk, speed_loss) for name, walk in walks.items()}
     with np.errstate(invalid="ignore"):
-        return {name: float(margin(found)) for name, margin in MEASURES.items()}
+        found["shapes"] = {"parting": parting(found)}
+        return {name: margin(found) for name, margin in MEASURES.items()}
