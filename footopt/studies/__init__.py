@@ -116,7 +116,6 @@ class Paper(StudySettings):
         None, "Names of what the paper leaves open, such as foot.apex; null: all; []: none."
     )
     shape_sand: str = setting("regular", "Sand on which the paper's five shapes walk.")
-    mount: str = setting("centre", "Where the shank meets a shape: its centre, or its top.")
     peak_power: str = setting(
         "stance", "When p_max is taken: stance, at any instant of it; single, while one foot stands."
     )

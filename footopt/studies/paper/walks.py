@@ -40,7 +40,6 @@ CHOICES = {
     "foot.width": "0.1 0.05 0.15",  # it acts like zeta
     "foot.apex": "middle toe",  # how the triangle stands
     "foot.upright": "toe heel",  # how the L stands
-    "study.mount": "centre top",  # where the shank meets a shape
     "study.shape_sand": "regular soft hard",
     "gait.pitch": "shank measured",  # whether the ankle is locked or moves as measured
     "gait.harmonics": "6 4 2",  # which data the gait is
@@ -125,16 +124,6 @@ def _falls(walk: Walk, speed_loss: str) -> list[float]:
     return losses
 
 
-def make_shapes(config: Config) -> dict[str, Foot]:
-    """The five shapes by name, their ankle foot.ankle off the centre of their box, or off its top."""
-    feet = {name: make_foot(replace(config.foot, shape=name)) for name in SHAPES}
-    for name, foot in feet.items() if config.study.mount == "top" else ():
-        # the box's centre is the origin, and every shape's contact line reaches its lower side
-        x, z = foot.ankle
-        feet[name] = replace(foot, ankle=(x, z - float(foot.contour[:, 1].min())))
-    return feet
-
-
 def evidence(config: Config, found: dict[str, list[int]]) -> dict[str, Walk]:
     """Search the best feet by J_W as it is read, and simulate all that claims need, by name.
 
@@ -167,7 +156,8 @@ def evidence(config: Config, found: dict[str, list[int]]) -> dict[str, Walk]:
     def walk(foot: Foot, sand: str) -> Walk:
         return read(simulate(foot, scenes[sand], confirm), study)
 
-    shapes, feet = make_shapes(config), {sand: best(sand) for sand in SANDS}
+    shapes = {name: make_foot(replace(config.foot, shape=name)) for name in SHAPES}
+    feet = {sand: best(sand) for sand in SANDS}
     hull = lower_hull(feet["hard"].contour)[0]
     filled = replace(feet["hard"], contour=hull, name="filled", k=None, space=None)
     return (
