@@ -31,20 +31,9 @@ def read_sand(path: str | Path, zeta: float = 1.0) -> Sand:
 
 
 def read_controller(path: str) -> Commands | FunctionController:
-    """Read a controller.
+    """A controller from ``FILE.py:FUNCTION``, which is called with (model, data) before each step, or a CSV.
 
-    Parameters
-    ----------
-    path : str
-        ``FILE.py:FUNCTION``, which is called with (model, data) before each step; or a CSV whose first line
-        has the names of actuators and of a column of time (`TIMES`), s.
-
-    Raises
-    ------
-    SettingError
-        There is no such file or function.
-    FileError
-        The table is none of numbers, or has no time.
+    The first line of the CSV has the names of actuators and of a column of time (`TIMES`), s.
     """
     file, _, function = path.rpartition(":") if ".py:" in path else (path, "", "")
     check(Path(file).is_file(), "robot.controller", path, "FILE.py:FUNCTION, or a CSV file that is there")

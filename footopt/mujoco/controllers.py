@@ -132,12 +132,9 @@ class Commands:
 
 @dataclass(frozen=True, eq=False)
 class FunctionController:
-    """A function that sets ``data.ctrl`` once in each time step of the model: it is slow, as all Python.
+    """A function of (model, data) that sets ``data.ctrl`` once in each time step of the model.
 
-    Parameters
-    ----------
-    function : callable
-        With (model, data). Walks on several threads call it, and it may keep nothing between calls.
+    It is slow, as all Python. Walks on several threads call it, and it may keep nothing between calls.
     """
 
     function: Callable[[Any, Any], object] = field(compare=False)  # a store keeps its name and its source

@@ -231,20 +231,7 @@ def make_accuracy(config: Any) -> AnyAccuracy:
 
 
 def check_read(config: Config, overrides: Iterable[str]) -> None:
-    """Refuse settings that are given and have no effect.
-
-    Parameters
-    ----------
-    config : Config
-        All settings.
-    overrides : iterable of str
-        From the command line: settings, and choices of groups.
-
-    Raises
-    ------
-    SettingError
-        The study or its foot does not read one; the message says what does.
-    """
+    """Raise where an override, a setting or the choice of a group, has no effect; the message says where."""
     study, shape = config.study.name, config.foot.shape
     for override in overrides:
         name, _, text = override.lstrip("+~/").partition("=")

@@ -140,23 +140,13 @@ def sand_file(name: str, source: str, found: Calibration, sand: Sand) -> str:
 
 
 def calibrate(path: str | Path, stress_map: StressMap = GENERIC) -> Calibration:
-    """Fit zeta to tests with plates.
+    """Fit zeta, which scales a stress map, to tests with plates.
 
-    Parameters
-    ----------
-    path : str or Path
-        CSV file with a header and the columns ``depth_mm`` (of the plate's middle below the surface; rows
-        above it are left out), ``force_N`` (against the motion), ``area_cm2`` and, optionally, ``angle_deg``
-        (of the plate, 0 is level), ``direction_deg`` (of the motion, 90 is down) and ``repeat`` (the
-        preparation of the sand, any word); others are ignored.
-    stress_map : StressMap
-        The map that zeta scales.
-
-    Raises
-    ------
-    FileError
-        The file cannot be read, lacks a column, holds something that is not a number, has too few depths, or
-        no sand can have such forces.
+    They are in a CSV file with the columns ``depth_mm`` (of the plate's middle below the surface; rows above
+    it are left out), ``force_N`` (against the motion), ``area_cm2`` and, optionally, ``angle_deg`` (of the
+    plate, 0 is level), ``direction_deg`` (of the motion, 90 is down) and ``repeat`` (the preparation of the
+    sand, any word); others are ignored. Raises `FileError` if the file cannot be read, lacks a column, holds
+    something that is not a number, has too few depths, or no sand can have such forces.
     """
     table, words = read_columns(path, SETTING, COLUMNS, OPTIONAL, LABEL)
     with naming(path, SETTING):

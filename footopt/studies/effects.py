@@ -13,8 +13,7 @@ from rich.table import Table
 
 from footopt.arrays import Array
 from footopt.design.laws import drafted
-from footopt.effects import EFFECTS, Effect, name_of
-from footopt.effects.base import parameters
+from footopt.effects import EFFECTS, Effect, name_of, parameters
 from footopt.errors import check
 from footopt.foot import Foot, Waypoints
 from footopt.report import terminal
@@ -134,18 +133,9 @@ def audit(
     tolerance: float,
     space: Waypoints | None = None,
 ) -> Audit:
-    """Evaluate feet in a scene with an effect and without it.
+    """Evaluate feet in a scene with an effect, in place of one of its kind, and without it.
 
-    Parameters
-    ----------
-    effect : Effect
-        Switched on, in place of one of its kind.
-    scene : Scene
-        Its other effects stay on.
-    feet, accuracy, space
-        As in `evaluate`.
-    tolerance : float
-        The relative change of an objective that matters.
+    `feet`, `accuracy` and `space` are as in `evaluate`, `tolerance` is the relative change that matters.
     """
     from scipy.stats import kendalltau
 
@@ -199,22 +189,9 @@ def choose_effects(study: Study, foot: Foot | None = None) -> tuple[Simulator, d
     """The scene of a study with the effects that `effects=auto` chooses, or its robot.
 
     Effects from the literature are audited one after the other, each in the scene with those before it that
-    matter; then those that matter again, in the scene with all of them. A change is that between two walks
-    with the same numbers, which need be no finer than `draft`.
-
-    Parameters
-    ----------
-    study : Study
-        Its settings name the scene.
-    foot : Foot, optional
-        The one that is simulated; without it random soles of the design space decide.
-
-    Returns
-    -------
-    scene : Scene
-        With these effects.
-    entry : dict
-        Of result.json: the audits.
+    matter; then those that matter again, in the scene with all of them. The foot that is simulated decides,
+    or else random soles of the design space, by changes between two walks with the same numbers, which need
+    be no finer than `draft`. Returns the audits, too, as result.json has them.
     """
     config, space = study.config, study.space
     if not config.effects.auto:

@@ -191,13 +191,7 @@ def in_world_of_run(
 
 
 def foot_of(folder: Path, k: list[int] | None = None, which: str = "best") -> Foot:
-    """The foot of a run: its best sole, or the one "to_print", or another one k (n,) of its design space.
-
-    Raises
-    ------
-    FileError
-        The folder does not hold a run of optimize or simulate.
-    """
+    """The foot of a run: its best sole, or the one "to_print", or another one k (n,) of its design space."""
     if os.path.isfile(folder / "multirun.yaml"):  # False where it may not be read
         allowed = "the folder of one job of this multirun"
         raise SettingError("run", str(folder), allowed, f"Such as run={folder / '0'}")
