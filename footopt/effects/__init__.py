@@ -6,7 +6,7 @@ They act in the order of `EFFECTS`, footopt's own first: layers give a depth tha
 import pkgutil
 from importlib import import_module
 
-from footopt.effects.base import EFFECTS, Effect, bristle_length, laws, name_of, reshaping
+from footopt.effects.base import EFFECTS, Effect, bristle_length, laws, name_of, parameters, reshaping
 from footopt.effects.inertia import Inertia
 from footopt.effects.layers import Layers
 from footopt.effects.leading_edge import LeadingEdge
@@ -17,7 +17,7 @@ from footopt.effects.slope import Slope
 
 __all__ = [
     "EFFECTS", "Effect", "Inertia", "Layers", "LeadingEdge", "Patches", "Rest", "Shadowing", "Slope",
-    "bristle_length", "laws", "name_of", "reshaping",
+    "bristle_length", "laws", "name_of", "parameters", "reshaping",
 ]  # fmt: skip
 
 for _module in pkgutil.iter_modules(__path__):

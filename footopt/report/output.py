@@ -16,8 +16,7 @@ from rich.text import Text
 
 from footopt.compiled import target
 from footopt.design import Generation
-from footopt.effects import name_of
-from footopt.effects.base import parameters
+from footopt.effects import name_of, parameters
 from footopt.files import identity
 from footopt.files import io as files
 from footopt.foot import Foot

@@ -180,7 +180,10 @@ def no_effects() -> Any:
     return _effects_class(tuple(EFFECTS.items()))()
 
 
-@cache  # so that the settings of two runs compare
+_dataclass = cache(make_dataclass)  # so that the settings of two runs compare
+
+
+@cache
 def _effects_class(known: tuple[tuple[str, type], ...]) -> Any:
     each = [(name, settings_class(kind) | None, setting(None, kind)) for name, kind in known]
     return make_dataclass("AllEffects", each, bases=(EffectsConfig,))
@@ -237,12 +240,7 @@ class ChooseConfig:
 
 def no_limits() -> Any:
     """With a setting for each measure, of plugins too: its limit, or null for none."""
-    return _limits_class(tuple(MEASURES))()
-
-
-@cache
-def _limits_class(names: tuple[str, ...]) -> Any:
-    return make_dataclass("ConstraintConfig", [(name, float | None, None) for name in names])
+    return _dataclass("ConstraintConfig", tuple((name, float | None, None) for name in MEASURES))()
 
 
 @dataclass

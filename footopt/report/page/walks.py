@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from footopt.arrays import Array
 from footopt.design import EXHAUSTIVE, Confirmation, SearchResult
 from footopt.design.certificate import joined
 from footopt.design.result import SHOWN
@@ -165,7 +164,10 @@ def _traces(walk: Walk, label: str, design: int | None = None) -> dict[str, Any]
         return {**shared, "t": packed(walk.t)}
     index = np.unique(np.linspace(0, len(walk.t) - 1, SAMPLES * FRAMES).astype(int))
     even = np.unique(np.searchsorted(walk.t, np.linspace(walk.t[0], walk.t[-1], FRAMES)))
-    sole = walk.sole
+    sole, legs = walk.sole, {}
+    if not isinstance(walk.scene, Scene):  # joints of both legs and the pitch of their feet
+        joints, pitch = walk.legs(walk.t[index]), walk.pitch(walk.t[index])
+        legs = {"legs": packed(np.concatenate([joints.reshape(*pitch.shape, -1), pitch[..., None]], axis=2))}
     begin, size = groups(sole.x.shape[1])
     # relative to the ankle, as plates are; the page turns and carries them
     at = [np.add.reduceat(part[0], begin) / size for part in (sole.x, sole.z)]
@@ -173,14 +175,8 @@ def _traces(walk: Walk, label: str, design: int | None = None) -> dict[str, Any]
         **shared,
         "t": packed(walk.t[index]),
         **{name: packed(getattr(walk, name)[index]) for name in TRACES},
-        **({} if isinstance(walk.scene, Scene) else {"legs": packed(_legs(walk, walk.t[index]))}),
+        **legs,
         "at": packed(np.stack(at, axis=-1)),
         "when": packed(walk.t[even]),
         "arrows": packed(forces_along(walk, even)[1]),
     }
-
-
-def _legs(walk: Walk, t: Array) -> Array:
-    """Joints of both legs and the pitch of their feet at times (T,), (T, feet, 2 joints + 1)."""
-    joints, pitch = walk.legs(t), walk.pitch(t)
-    return np.concatenate([joints.reshape(*pitch.shape, -1), pitch[..., None]], axis=2)

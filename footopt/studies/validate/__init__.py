@@ -76,11 +76,6 @@ class Comparison:
         return rms(self.error)
 
     @property
-    def bias(self) -> float:
-        """Mean of E."""
-        return float(np.nanmean(self.error))
-
-    @property
     def band(self) -> float:
         """`COVERAGE` times the root mean square of u."""
         return COVERAGE * rms(np.where(self.inside, self.uncertainty, np.nan))
@@ -219,6 +214,6 @@ def summary(found: Sequence[Comparison]) -> str:
 
 def cells(c: Comparison) -> list[str]:
     """A comparison in tables: rms and mean of E, and 2 u, as parts of the scale."""
-    size, bias, band = (100.0 * value / c.scale for value in (c.size, c.bias, c.band))
+    size, bias, band = (100.0 * value / c.scale for value in (c.size, np.nanmean(c.error), c.band))
     shares = [f"{size:.0f} %", f"{round(bias):+d} %", f"{band:.0f} %"]
     return [c.experiment, c.quantity, law_name(c.law), *shares, c.verdict]

@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from footopt.arrays import Array
-from footopt.effects import reshaping
-from footopt.effects.base import parameters
+from footopt.effects import parameters, reshaping
 from footopt.foot import Foot
 from footopt.gait import Pose
 from footopt.sand import Sand
