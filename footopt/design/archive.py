@@ -189,7 +189,7 @@ class Archive:
         """Everything that was evaluated up to the last finished generation, and the best of it."""
         generations, count, front = self._closed
         designs = self.designs.take(slice(count))
-        reasons = self.problem.verdicts(designs.values, designs.reasons, designs.violation)
+        reasons = self.problem.reasons(designs.values, designs.reasons, designs.violation)
         if not len(front) and interrupted:
             raise KeyboardInterrupt("before a feasible design was found")
         if not len(front):
@@ -197,7 +197,7 @@ class Archive:
                 f"No feasible design among {count}: {causes(Counter(reasons.tolist()))}. "
                 "Try more generations, a larger foot.box_tolerance, wider limits, or harder sand."
             )
-        front = front[np.argsort(self.problem.ranked(designs.values[front]), kind="stable")]
+        front = front[np.argsort(self.problem.scores(designs.values[front]), kind="stable")]
         return SearchResult(
             problem=self.problem,
             solver=solver,

@@ -125,8 +125,8 @@ def certified(
         best = inside[[finer.argmin()]]
         values, reasons = evaluator(best)
         result = joined(result, best, values, reasons)
-        ranks = problem.ranked(result.values[result.feasible])
-        count = max(finalists, int((ranks <= problem.ranked(values)[0]).sum()))  # it has to be among them
+        ranks = problem.scores(result.values[result.feasible])
+        count = max(finalists, int((ranks <= problem.scores(values)[0]).sum()))  # it has to be among them
     certificate = Certificate(
         k=tuple(own.tolist()),
         distance=distance,
@@ -168,6 +168,6 @@ def joined(result: SearchResult, k: Ints, values: Array, reasons: Words) -> Sear
     problem = result.problem
     old = Designs(*(getattr(result, name) for name in Designs._fields))
     new = Designs(k, values, reasons, problem.space.box_violation(k), result.generation[-1:])
-    better = problem.ranked(values)[0] < problem.ranked(result.values[[result.best]])[0]
+    better = problem.scores(values)[0] < problem.scores(result.values[[result.best]])[0]
     best, feasible = len(result.k) if better else result.best, np.append(result.feasible, True)
     return replace(result, **old.joined(new)._asdict(), feasible=feasible, best=best, front=np.array([best]))

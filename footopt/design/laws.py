@@ -239,7 +239,7 @@ def _different(soles: list[Ints]) -> Ints:
 def _best(result: SearchResult, most: int) -> Ints:
     """The best soles of a search, (soles, n)."""
     pool = np.flatnonzero(result.feasible)
-    ranked = result.problem.ranked(result.values[pool])
+    ranked = result.problem.scores(result.values[pool])
     return result.k[pool[np.argsort(ranked, kind="stable")[:most]]]
 
 

@@ -178,14 +178,14 @@ class FootProblem(Problem):
         """Which designs meet all constraints, (designs,)."""
         return np.asarray((self.constraints(values, reasons, violation) <= 0.0).all(axis=1))
 
-    def verdicts(self, values: Array, reasons: Words, violation: Array) -> Words:
-        """Why each design is no foot, (designs,): why its walk failed, "box", the first limit; or ""."""
+    def reasons(self, values: Array, reasons: Words, violation: Array) -> Words:
+        """Why each design is infeasible, (designs,): why its walk failed, "box", the first limit; or ""."""
         broken = self.constraints(values, reasons, violation) > 0.0
         names = np.array(["", "box", *self.limits])
         first = names[np.where(broken[:, 1:].any(axis=1), 1 + broken[:, 1:].argmax(axis=1), 0)]
         return np.where(reasons != "", reasons, first)
 
-    def ranked(self, values: Array) -> Array:
+    def scores(self, values: Array) -> Array:
         """Designs (designs, record) of a front, or of one objective: the smaller, the better, (designs,)."""
         f = self.minimised(values)
         if self.n_obj == 1:

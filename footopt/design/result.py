@@ -248,7 +248,7 @@ def confirm(result: SearchResult, accuracy: AnyAccuracy | str, finalists: int = 
     chosen = result.shown
     if problem.n_obj == 1:
         pool = np.flatnonzero(result.feasible)
-        chosen = pool[np.argsort(problem.ranked(result.values[pool]), kind="stable")[:finalists]]
+        chosen = pool[np.argsort(problem.scores(result.values[pool]), kind="stable")[:finalists]]
     if accuracy == problem.accuracy:
         values, reasons = result.values[chosen], np.full(len(chosen), "")
     else:
@@ -258,7 +258,7 @@ def confirm(result: SearchResult, accuracy: AnyAccuracy | str, finalists: int = 
         good[good] = nondominated(problem.minimised(values[good]))
     scores = np.full(len(chosen), np.inf)
     if good.any():
-        scores[good] = problem.ranked(values[good])
+        scores[good] = problem.scores(values[good])
     order = np.argsort(scores, kind="stable")  # what is no longer good comes last
     change = np.abs(relative_change(values, result.values[chosen]))
     change = change[np.isfinite(change)]

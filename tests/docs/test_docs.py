@@ -125,6 +125,13 @@ def test_the_python_of_the_first_page_runs(tmp_path, monkeypatch):
     assert (tmp_path / "front.png").exists()
 
 
+def test_the_reference_of_python_has_every_public_name():
+    """Those of the module `fo.mujoco`, and of `fo.stress`, by where they are."""
+    listed = re.findall(r"^\.\. auto\w+:: (?:footopt\.)?(\S+)$", (ROOT / "docs/api.rst").read_text(), re.M)
+    assert {*fo.__all__} - {*listed} == {"__version__", "mujoco", "stress"}
+    assert {"mujoco.Robot", "mujoco.attach", "sand.law.alpha"} < {*listed}
+
+
 @pytest.mark.parametrize("page", TEXTS)
 def test_files_that_are_linked_are_there(page):
     """Sphinx looks for the anchors in them."""

@@ -79,7 +79,7 @@ class TestChoice:
 
     def chosen(self, found, choice):
         p = fo.FootProblem(found.problem.scene, found.problem.names, SMALL, QUICK, choose=choice)
-        return found.values[found.front][np.argmin(p.ranked(found.values[found.front]))], p
+        return found.values[found.front][np.argmin(p.scores(found.values[found.front]))], p
 
     def test_weights_draw_towards_an_objective(self, found):
         work = found.column("work")[found.front]

@@ -83,7 +83,16 @@ def operators(
 
 
 def by_runs() -> dict[str, Any]:
-    """The same of moves that suit a spline: no design twice, and none outside its box."""
+    """Operators that suit a spline, for any genetic algorithm of pymoo: ``NSGA2(**fo.by_runs())``.
+
+    They exchange and shift runs of neighbouring waypoints, and propose no design twice and none outside its
+    box.
+
+    Returns
+    -------
+    dict
+        Sampling, crossover, mutation, repair and the elimination of duplicates, by pymoo's names.
+    """
     return {
         "sampling": RandomInside(),
         "crossover": ExchangeRun(),
