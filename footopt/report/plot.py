@@ -18,7 +18,7 @@ from footopt.report.figures.foot import draw_contour
 from footopt.report.figures.gait import draw_angles, draw_path
 from footopt.report.figures.sand import draw_stress
 from footopt.report.figures.search import FRONT, draw_convergence, draw_pair
-from footopt.report.figures.traces import QUANTITIES, draw_quantity
+from footopt.report.figures.walks import QUANTITIES, draw_quantity
 from footopt.report.stage import draw_walk
 from footopt.report.style import COLUMN, PAGE, Axes, fit_height, new_figure, png, styled
 

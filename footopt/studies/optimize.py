@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import asdict, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from rich.text import Text
@@ -16,28 +16,38 @@ from footopt.design import (
     FootProblem,
     SearchResult,
     Solver,
+    UnderLaws,
     confirm,
     search,
+    under_laws,
 )
 from footopt.design.certificate import Certificate, certified
 from footopt.design.fronts import excess
+from footopt.design.laws import REACH, better_zetas, compare
 from footopt.errors import SettingError, check
 from footopt.files import io as files
 from footopt.files.feet import write_all
 from footopt.foot import Foot, Waypoints
 from footopt.report import terminal
-from footopt.report.numbers import number, percent, quantity, title
+from footopt.report.numbers import change, number, percent, quantity, title
 from footopt.report.output import foot_entry, report_generations
 from footopt.studies.build import make_problem
 from footopt.studies.effects import choose_effects
-from footopt.studies.laws import Laws, evaluated
 from footopt.studies.runs import Study
 from footopt.studies.simulate import check_files, judged, write_film, write_walk
 from footopt.walk import MEASURES, Accuracy, Walk, gain_shares, simulate
 from footopt.walk.checks import Diagnostic
 from footopt.walk.ladder import SHARE, ladder, numerics
 
-LEADERS = 4  # best soles of an enumerated space that are drawn in one frame
+
+class Laws(NamedTuple):
+    """What is known of the best foot under other laws; all is empty where it is evaluated under none."""
+
+    entry: dict[str, Any]  # in result.json
+    ranges: dict[str, list[float]]  # of the best foot's changes from the flat one under the others, by name
+    rank: str  # under how many laws, and at which zetas, it is better than the flat one; ends with a space
+    to_print: Foot | None = None  # the foot that loses least under the worst law
+    printed: tuple[str, ...] = ()  # that foot in two lines; in one if it is the best one
 
 
 def run(study: Study) -> Any:
@@ -57,12 +67,12 @@ def run(study: Study) -> Any:
     walk = simulate(best, scene, study.finer_accuracy)
     entry, diagnostics = judged(study, walk, flat, problem.record, chosen)
     values, base = entry["objectives"], entry["flat"]
-    laws = evaluated(study, result, confirmed)
+    laws = _evaluated(study, result, confirmed)
 
     if study.wants_report:
         files.write_csv(study.folder / "designs.csv", result.columns)
     if study.wants_figures:
-        _draw(study, result, confirmed.designs[:LEADERS], base)
+        _draw(study, result, int(confirmed.designs[0]), base)
     notes = write_walk(study, walk, {"best": walk, "flat": flat})
     if laws.to_print is not None:
         write_all(laws.to_print, study.folder, study.config.foot.block, "to_print")
@@ -89,6 +99,57 @@ def run(study: Study) -> Any:
         done, every = len(result.history), solver.generations(problem.space)
         raise KeyboardInterrupt(f"after {solver.unit} {done} of {every}, with a full report")
     return values
+
+
+def _evaluated(study: Study, result: SearchResult, confirmed: Confirmation) -> Laws:
+    """The best foot, soles that should lose little under every law, and the flat one, under every law."""
+    problem, under, rank, zetas = result.problem, _under(study, result, confirmed), "", None
+    if len(under.laws) > 1 and problem.n_obj == 1:
+        zetas = better_zetas(problem, under.k[0], under.k[-1])
+        count = sum(int(losses[0] < losses[-1]) for losses in under.losses)
+        rank = f"Beats flat under {count} of {len(under.laws)} laws{_at(zetas, problem.scene)}. "
+    found = Laws({"laws": under.entry(0), "better_than_flat_zeta": zetas}, under.range_of(0), rank)
+    chosen = None if study.options.laws is None else under.steadiest
+    if chosen is None:
+        return found
+    foot = replace(Foot.from_waypoints(under.k[chosen], problem.space), name="to print")
+    laws, name = under.entry(chosen), problem.ranking_objective
+    worst, of_best = float(under.worst[chosen]), float(under.worst[0])
+    losses = {"worst_loss": worst, "worst_loss_of_best": of_best}
+    entry = found.entry | {"to_print": {**foot_entry(foot), "laws": laws, **losses}}
+    same = f"To print: this foot. It loses at most {percent(worst)} to the best one known under each law."
+    if chosen == 0:
+        return found._replace(entry=entry, to_print=foot, printed=(same,))
+    own, *others = (law["change"][name] for law in laws)
+    gain = f"{title(name)} {change(name, 1.0 + own, 1.0)} ({terminal.span(name, others)})"
+    told = f"{gain}; loses at most {percent(worst)} under any law, the first {percent(of_best)}."
+    lines = (f"To print, chosen for all {len(laws)} laws: {terminal.describe_foot(foot)}", told)
+    return found._replace(entry=entry, to_print=foot, printed=lines)
+
+
+def _under(study: Study, result: SearchResult, confirmed: Confirmation) -> UnderLaws:
+    """The feet under every law."""
+    options, share = study.options, None if result.interrupted else study.options.laws
+    if not (study.wants_report and options.confirm):
+        return compare(result.problem, (), result.k[confirmed.designs[:1]])
+    if share is not None and result.problem.n_obj == 1:
+        study.say("Searching the foot to print, which loses least under the worst law")
+    store = options.store or study.folder / "designs.sqlite"
+    with study.executor() as executor, study.compiling("a walk for each law"):
+        return under_laws(result, confirmed, study.config.sand.spread, share, store, executor)
+
+
+def _at(zetas: tuple[float | None, float | None] | None, scene: Any) -> str:
+    """On which sand the best foot is better than the flat one by the scene's own law; "" if it is not."""
+    if zetas is None:
+        return ""
+    ends = *zetas, scene.sand.zeta / REACH, scene.sand.zeta * REACH
+    low, high, least, most = (end and number(float(f"{end:.2g}")) for end in ends)
+    if low and high:
+        return f", for zeta {low} to {high}"
+    if low or high:
+        return f", for zeta >= {low}" if low else f", for zeta <= {high}"
+    return f", for every zeta from {least} to {most}"
 
 
 def _tell(
@@ -225,8 +286,8 @@ def _search_entry(result: SearchResult, confirmed: Confirmation, finalists: int)
     }
 
 
-def _draw(study: Study, result: SearchResult, leaders: Any, flat: dict[str, float]) -> None:
-    """Draw how a search went, and the front, or the best soles, that it found."""
+def _draw(study: Study, result: SearchResult, chosen: int, flat: dict[str, float]) -> None:
+    """Draw how a search went, and the front that it found."""
     from footopt.report import figures  # matplotlib takes a second
     from footopt.report.figures.search import FRONT
 
@@ -235,14 +296,10 @@ def _draw(study: Study, result: SearchResult, leaders: Any, flat: dict[str, floa
         relative = not several and problem.ranking_objective == "efficiency" and flat["efficiency"] < 0.0
         base = flat["efficiency"] if relative else None
         study.save("convergence", figures.convergence(result, base))
-    elif not several:
-        best = enumerate(result.k[leaders], start=1)
-        soles = {f"no. {i}": Foot.from_waypoints(k, problem.space) for i, k in best}
-        study.save("contours", figures.contours(soles))
     if several:
         values = result.values[:, [problem.record.index(name) for name in problem.names]]
         front = values[result.shown]
-        marks = {"chosen": values[leaders[0]], "flat sole": [flat[name] for name in problem.names]}
+        marks = {"chosen": values[chosen], "flat sole": [flat[name] for name in problem.names]}
         drawn = figures.scatter_matrix({f"{len(front)} {FRONT}": front}, problem.names, marks)
         study.save("scatter_matrix", drawn)
 

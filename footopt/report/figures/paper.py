@@ -10,8 +10,7 @@ from footopt.gait import Gait
 from footopt.report import style
 from footopt.report.figures.foot import contour, contours
 from footopt.report.figures.gait import draw_angles, draw_path
-from footopt.report.figures.step import step
-from footopt.report.figures.traces import com, forces, power_work
+from footopt.report.figures.walks import com, forces, power_work, step
 from footopt.report.numbers import title
 from footopt.walk import Walk, Walker
 

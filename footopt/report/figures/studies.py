@@ -1,15 +1,26 @@
-"""Figures of the studies accuracy (error against time), calibrate (zeta by depth) and transfer (losses)."""
+"""Figures of studies: error against time, zeta by depth, losses on two simulators, and experiments."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from footopt.report import style
+from footopt.report.style import Axes
 
 WORST = "error of the worst objective (%),\nnot exceeded by 95 % of the feet"
 SHOWN = (2.5, 97.5)  # %, of measurements: those that are furthest off are shallow, and noise
+
+#: Comparisons as `footopt.studies.validate.Comparison` has them.
+Comparisons = Sequence[Any]
+
+NAMES = {"alpha_x": r"$\alpha_x$", "alpha_z": r"$\alpha_z$", "zeta": r"$\zeta$"}
+VERDICTS = {"agrees": (style.BEST, "o"), "differs": ("#000000", "X"), "undecided": (style.FLAT, "s")}
+DATA: dict[str, Any] = {"color": "black", "ls": "", "marker": "o", "elinewidth": 0.8}
+MEASURED = "measured; all ± 2 u"
+MANY = 10  # points that have no rows of their own
+FLOOR = 1.0  # %, the least that the overview shows
 
 
 @style.styled()
@@ -75,3 +86,111 @@ def transfer(found: Sequence[Any], objective: str) -> Figure:
     figure.axes[0].set_ylabel(f"loss of {name} against\nthe better design (%)")
     style.legend_above(figure)
     return figure
+
+
+def law_name(law: Sequence[str]) -> str:
+    """A set of effects in words."""
+    return " + ".join(name.replace("_", " ") for name in law) or "plain law"
+
+
+def axis_name(c: Any) -> str:
+    """A quantity with its unit."""
+    unit = {"1": "", "N/cm3": " (N/cm³)"}.get(c.unit, f" ({c.unit})")
+    return f"{NAMES.get(c.quantity, c.quantity)}{unit}"
+
+
+@style.styled()
+def experiment(found: Comparisons, x: str = "") -> Figure:
+    """Every quantity of an experiment: data, and the prediction of each law, with 2 standard uncertainties.
+
+    Numbered points are on the axis `x`, points with names in a row each; many of these are drawn as the
+    prediction against the measurement.
+    """
+    quantities = list(dict.fromkeys(c.quantity for c in found))
+    laws = list(dict.fromkeys(c.law for c in found))
+    points = found[0].points
+    numbers = all(isinstance(point, (int, float)) for point in points)
+    draw = _against_x if numbers else _by_name if len(points) < MANY else _parity
+    height = 0.7 + 0.2 * len(points) * (1 + len(laws)) if draw is _by_name else 2.5
+    figure = style.new_figure(min(style.PAGE, max(4.6, 2.9 * len(quantities))), height)
+    axes = figure.subplots(1, len(quantities), squeeze=False)[0]
+    for ax, quantity in zip(axes, quantities, strict=True):
+        own = [c for c in found if c.quantity == quantity]
+        draw(ax, own, [style.COLOURS[laws.index(c.law)] for c in own])
+        ax.grid()
+        if draw is _against_x:
+            ax.set_xlabel(x)
+    style.legend_above(figure)
+    return figure
+
+
+def _against_x(ax: Axes, own: Comparisons, colours: Sequence[str]) -> None:
+    """Lines with bands, and the data."""
+    for c, colour, dashes in zip(own, colours, style.DASHES, strict=False):
+        ax.plot(c.points, c.simulated, color=colour, ls=dashes, label=law_name(c.law))
+        low, high = c.simulated - c.spread, c.simulated + c.spread
+        ax.fill_between(c.points, low, high, color=colour, alpha=0.15, lw=0)
+    ax.errorbar(c.points, c.measured, c.bar, **DATA, label=MEASURED)
+    ax.set_ylabel(axis_name(c))
+
+
+def _by_name(ax: Axes, own: Comparisons, colours: Sequence[str]) -> None:
+    """A row for each point, in it the data and each law."""
+    rows, gap = np.arange(len(own[0].points)), 0.8 / (len(own) + 1)
+    for i, (c, colour) in enumerate(zip(own, colours, strict=True), start=1):
+        look = DATA | {"color": colour, "marker": style.MARKERS[i]}
+        ax.errorbar(c.simulated, rows + gap * i, xerr=c.spread, **look, label=law_name(c.law))
+    ax.errorbar(c.measured, rows, xerr=c.bar, **DATA, label=MEASURED)
+    ax.set_yticks(rows + 0.5 * gap * len(own) if any(c.points) else [], c.points if any(c.points) else [])
+    ax.tick_params(axis="y", length=0)
+    ax.set(xlabel=axis_name(c), ylim=(rows[-1] + 1.0 - gap, -gap))
+
+
+def _parity(ax: Axes, own: Comparisons, colours: Sequence[str]) -> None:
+    """Prediction against measurement, with the band in which they agree."""
+    for i, (c, colour) in enumerate(zip(own, colours, strict=True)):
+        size = {"mfc": "none", "mew": 0.8, "ms": 5.0} if i else {"ms": 3.5}  # one often lies on the other
+        look = style.marker(i) | {"color": colour} | size
+        ax.plot(c.measured, c.simulated, **look, label=law_name(c.law))
+    c = own[0]
+    every = np.concatenate([c.measured, *(other.simulated for other in own)])
+    ends = np.array([every.min(), every.max()])
+    ax.fill_between(ends, ends - c.band, ends + c.band, color=style.PALE, lw=0, zorder=0)
+    limits = ends[0] - c.band, ends[1] + c.band
+    ax.set(xlim=limits, ylim=limits, box_aspect=1.0)
+    ax.locator_params(nbins=5)
+    ax.plot(ends, ends, color="black", lw=0.8, label="equal, with 2 u")
+    ax.set(xlabel=f"measured {axis_name(c)}", ylabel=f"predicted {axis_name(c)}")
+
+
+@style.styled()
+def overview(found: Comparisons, titles: Mapping[str, str]) -> Figure:
+    """A row for each comparison: its error over the data's scale, and what it could have resolved."""
+    begins = np.array([i == 0 or found[i - 1].experiment != c.experiment for i, c in enumerate(found)])
+    rows = np.arange(len(found)) + 1.15 * np.cumsum(begins)  # room for the experiments' titles
+    figure = style.new_figure(style.PAGE, 0.7 + 0.165 * rows[-1])
+    ax = figure.subplots()
+    ax.set_xscale("log")
+    ax.barh(rows, [percent(c.band, c) for c in found], height=0.7, color="0.87", label="2 u")
+    for verdict, (colour, shape) in VERDICTS.items():
+        own = [i for i, c in enumerate(found) if c.verdict == verdict]
+        size = [percent(found[i].size, found[i]) for i in own]
+        ax.plot(size, rows[own], shape, color=colour, ms=5.5, mew=0, clip_on=False, label=verdict)
+    for row, c in zip(rows[begins], (c for c, new in zip(found, begins, strict=True) if new), strict=True):
+        ax.text(FLOOR, row - 1.0, f" {titles[c.experiment]}", va="center", weight="bold")
+    ax.set_xlim(FLOOR, 1200.0)
+    ticks = [1, 3, 10, 30, 100, 300, 1000]
+    ax.set_xticks(ticks, [f"≤ {FLOOR:g} %", *(f"{tick} %" for tick in ticks[1:])])
+    ax.set_xlabel("error (rms of S − D) over the scale of the data")
+    ax.set_yticks(rows, [f"{NAMES.get(c.quantity, c.quantity)}, {law_name(c.law)}" for c in found])
+    ax.set_ylim(rows[-1] + 0.7, rows[0] - 1.7)
+    ax.tick_params(axis="y", length=0)
+    ax.tick_params(axis="x", which="minor", length=0)
+    ax.grid(axis="x")
+    style.legend_above(figure)
+    return figure
+
+
+def percent(value: float, c: Any) -> float:
+    """A part of the scale in percent, where a logarithmic axis can show it."""
+    return max(100.0 * value / float(c.scale), FLOOR)

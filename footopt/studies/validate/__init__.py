@@ -17,7 +17,7 @@ import numpy as np
 from footopt.arrays import Array, Bools
 from footopt.effects import EFFECTS
 from footopt.report import terminal
-from footopt.report.figures.validation import experiment, law_name, overview
+from footopt.report.figures.studies import experiment, law_name, overview
 from footopt.sand import Sand
 from footopt.studies.runs import Study
 from footopt.studies.validate import rig
