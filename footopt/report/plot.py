@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes as PlainAxes
-from matplotlib.figure import Figure
 
 from footopt.errors import SettingError
 from footopt.report.figures.foot import draw_contour
@@ -52,9 +51,15 @@ def plot(thing: object, what: str | None = None, ax: Axes | None = None) -> Axes
     name = next(iter(found)) if what is None else what
     if name not in found:
         raise SettingError("what", what, f"one of {', '.join(found)} for a {type(thing).__name__}")
-    if ax is None:
-        return picture(thing, name).axes[0]
-    _draw(ax, found[name], thing)
+    if ax is not None:
+        _draw(ax, found[name], thing)
+        return ax
+    with styled():
+        figure = new_figure(PAGE if name == "walk" else COLUMN, HEIGHT)
+        ax = figure.add_subplot(axes_class=Panel)
+        _draw(ax, found[name], thing)
+        fit_height(figure, [ax])
+        figure.draw_without_rendering()  # a second pass of the layout, after which nothing moves
     return ax
 
 
@@ -64,17 +69,6 @@ class Panel(PlainAxes):
     def _repr_png_(self) -> bytes:
         figure = self.get_figure(root=True)
         return png(figure) if figure else b""
-
-
-@styled()
-def picture(thing: object, name: str) -> Figure:
-    """A figure of one of an object's drawings."""
-    figure = new_figure(PAGE if name == "walk" else COLUMN, HEIGHT)
-    axes = figure.add_subplot(axes_class=Panel)
-    _draw(axes, drawings(thing)[name], thing)
-    fit_height(figure, [axes])
-    figure.draw_without_rendering()  # a second pass of the layout, after which nothing moves
-    return figure
 
 
 def _draw(axes: Axes, draw: Callable[[Axes, Any], object], thing: object) -> None:

@@ -8,8 +8,8 @@ from every_effect import LAYERS, PATCHES
 import footopt as fo
 from footopt.files.io import plain
 from footopt.report import page
+from footopt.report.page.file import NOTHING
 from footopt.report.page.physics import physics, spline
-from footopt.report.page.study import NOTHING
 from footopt.walk import OBJECTIVES
 from footopt.walk.accuracy import resolve
 from footopt.walk.objectives import offered
