@@ -14,8 +14,7 @@ from matplotlib.axes import Axes as PlainAxes
 
 from footopt.errors import SettingError
 from footopt.report.figures.foot import draw_contour
-from footopt.report.figures.gait import draw_angles, draw_path
-from footopt.report.figures.sand import draw_stress
+from footopt.report.figures.scenes import draw_angles, draw_path, draw_stress
 from footopt.report.figures.search import FRONT, draw_convergence, draw_pair
 from footopt.report.figures.walks import QUANTITIES, draw_quantity
 from footopt.report.stage import draw_walk

@@ -157,12 +157,10 @@ def compare(judge: RobustProblem, values: Array) -> tuple[Array, Array]:
 
     `values` (scenarios, feet, record) begin with the specialists; regrets are (feet, scenarios).
     """
-    ranked, sign = (
-        values[..., judge.record.index(judge.ranking_objective)],
-        MEASURES[judge.ranking_objective].sign,
-    )
+    by = judge.ranking_objective
+    ranked, sign = values[..., judge.record.index(by)], MEASURES[by].sign
     references = sign * np.nanmin(sign * ranked[:, : len(judge.scenarios)], axis=1)
-    return references, regret(ranked, references[:, None], judge.ranking_objective).T
+    return references, regret(ranked, references[:, None], by).T
 
 
 def table(objective: str, feet: Sequence[str], regrets: Array) -> RichTable:

@@ -39,7 +39,7 @@ def run(study: Study) -> Any:
     strides = make_strides(study.config.gait)
     read = [] if strides is None else [*strides.notes]
     if strides is not None and study.wants_figures:
-        from footopt.report.figures.gait import gait_fit
+        from footopt.report.figures.scenes import gait_fit
 
         study.save("gait", gait_fit(strides, walk.world.gait))
     notes = [*foot.notes, *write_walk(study, walk, {title(foot.name): walk}), *_undefined(walk, values)]
@@ -77,11 +77,8 @@ def _undefined(walk: Walk, values: Mapping[str, float]) -> list[str]:
     names = [name.replace("_", " ") for name, value in values.items() if not math.isfinite(value)]
     if not (walk.feasible and names):
         return []
-    why = (
-        "a number is beyond what can be computed"
-        if len(walk.scene.strikes)
-        else "there is no heel strike in this walk"
-    )
+    strikes = len(walk.scene.strikes)
+    why = "a number is beyond what can be computed" if strikes else "there is no heel strike in this walk"
     return [f"There is no value of {', '.join(names)}: {why}."]
 
 

@@ -67,14 +67,6 @@ def run(study: Study) -> None:
         )
         found.append(_compared(study, sand, sides, names[0], solver))
         study.say(describe(found[-1], names[0]))
-    columns = [*found[0].values[ROBOT][FLAT]]
-    rows = (
-        [t.sand.name, t.sand.zeta, foot, side, *t.values[side][foot].values(), t.losses[side][foot]]
-        for t in found
-        for foot in t.feet
-        for side in t.values
-    )
-    study.write_csv("transfer.csv", ["sand", "zeta", "foot", "walked_on", *columns, "loss"], rows)
     study.save("transfer", draw(found, names[0]), CAPTION)
     study.conclude(
         "Which model should a foot be designed on?",

@@ -9,7 +9,7 @@ from footopt.files.io import plain
 from footopt.foot import SHAPES, Foot
 from footopt.foot.waypoints import heights_text
 from footopt.report import terminal
-from footopt.report.figures.paper import all_figures
+from footopt.report.figures.studies import all_figures
 from footopt.report.numbers import number
 from footopt.report.output import scene_entry
 from footopt.studies.build import check_searchable

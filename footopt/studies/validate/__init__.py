@@ -136,15 +136,14 @@ class Experiment:
             measured = values[name]
             scale = float(q.get("scale", rms(np.where(inside, measured, np.nan))))
             halves = [0.5 * (high[name] - low[name]) / unit for low, high in spans]
-            comparison = Comparison(
+            found.append(Comparison(
                 self.name, name, q["unit"], tuple(law), points, fine[name] / unit + none, measured,
                 numerical=np.abs(fine[name] - coarse[name]) / unit + none,
                 inputs=np.sqrt(np.sum(np.square(halves), axis=0)) + none,
                 experimental=np.asarray(q["uncertainty"]) * (scale if q.get("relative") else 1.0) + none,
                 scale=scale, inside=inside,
                 apart=q.get("apart", ""),
-            )  # fmt: skip
-            found.append(comparison)
+            ))  # fmt: skip
         return found
 
 

@@ -1,12 +1,15 @@
-"""Figures of gaits: joint angles, the ankle's path, and how the strides of a file were fitted."""
+"""Figures of what a scene is made of: its gait, with the strides that it was fitted to, and its sand."""
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from footopt.files.strides import Strides
 from footopt.gait import Gait, ankle
 from footopt.report import style
-from footopt.report.style import Axes
+from footopt.report.style import Axes, as_text
+from footopt.sand import Sand
+from footopt.sand.law import PER_CM3, alpha
 from footopt.walk import Walker
 
 SIGNS = {"thigh": "forward", "knee": "flexed", "foot": "toe up"}
@@ -57,3 +60,20 @@ def draw_path(axes: Axes, gait: Gait, walker: Walker | None = None) -> None:
     axes.set(xlabel="$x$ from the hip (m)", ylabel="$z$ from the hip (m)")
     axes.set_title(f"ankle, legs of {walker.l1:g} + {walker.l2:g} m", loc="left")
     axes.margins(0.08, 0.12)
+
+
+def draw_stress(axes: Axes, sand: Sand, component: str = "alpha_z") -> None:
+    """The stress per depth, zeta alpha_x or zeta alpha_z, by a plate's angle beta and its motion's, gamma."""
+    angle = np.linspace(-90.0, 90.0, 181)
+    gamma, beta = np.meshgrid(np.radians(angle), np.radians(angle))
+    found = alpha(beta, gamma, sand.stress_map)
+    values = sand.zeta * found[("alpha_x", "alpha_z").index(component)] / PER_CM3
+    most = float(np.abs(values).max()) or 1.0
+    shades = axes.contourf(angle, angle, values, levels=np.linspace(-most, most, 42), cmap="RdBu_r")
+    lines = axes.contour(angle, angle, values, levels=8, colors="black", linewidths=0.5)
+    axes.clabel(lines, fontsize="small")
+    axes.set(xlabel=r"$\gamma$ (deg): motion, + down", ylabel=r"$\beta$ (deg): plate, + toe up")
+    axes.set(xticks=range(-90, 91, 45), yticks=range(-90, 91, 45), aspect="equal")
+    name = rf"\alpha_{component[-1]}"
+    axes.set_title(rf"$\zeta{name}$ (N/cm³), {as_text(sand.name)} sand")
+    axes.figure.colorbar(shades, ax=axes, shrink=0.9, ticks=MaxNLocator(6))
