@@ -27,7 +27,7 @@ SMALL = {"study__confirm": "draft", "accuracy__name": "draft", "solver__pop_size
 class TestChoices:
     def test_one_at_a_time_is_made_otherwise_than_the_settings(self):
         default = dict(changes(Config(study=Paper())))
-        assert len(default) == sum(len(words.split()) - 1 for words in CHOICES.values())
+        assert len(default) == sum(len(values) - 1 for values in CHOICES.values())
         own = dict(changes(config(foot__width=0.05, study__cases=["foot.width", "effects"])))
         assert list(own) == ["foot.width=0.1", "foot.width=0.15", "effects=leading_edge", "effects=shadowing"]
         assert own["foot.width=0.15"].foot.width == 0.15

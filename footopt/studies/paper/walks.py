@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from importlib.resources import files
 from math import nan
 from typing import Any
 
@@ -18,7 +19,7 @@ from footopt.foot import SHAPES, Foot, lower_hull
 from footopt.sand import Sand
 from footopt.studies import Paper
 from footopt.studies.build import make_accuracy, make_foot, make_scene, make_space
-from footopt.studies.settings import Config
+from footopt.studies.settings import Config, shown
 from footopt.walk import OBJECTIVES, Walk, simulate
 from footopt.walk.accuracy import resolve
 from footopt.walk.objectives import SLOW
@@ -34,22 +35,8 @@ EVALUATIONS = 3000
 #: About each heel strike, from and to when a fall counts, in strides, by how dV_x is read ("walk": always).
 SPEED_LOSS = {"walk": (1 / 4, 1 / 2), "window": (1 / 4, 1 / 4), "narrow": (1 / 8, 1 / 8)}
 
-#: Settings that the paper leaves open, and their values as on the command line; the first is the default.
-CHOICES = {
-    "foot.ankle": "[0,0] [-0.03,0] [-0.06,0] [0,0.05]",
-    "foot.width": "0.1 0.05 0.15",  # it acts like zeta
-    "foot.apex": "middle toe",  # how the triangle stands
-    "foot.upright": "toe heel",  # how the L stands
-    "study.shape_sand": "regular soft hard",
-    "gait.pitch": "shank measured",  # whether the ankle is locked or moves as measured
-    "gait.harmonics": "6 4 2",  # which data the gait is
-    "scene.t_f": "null 2.6 3.5",  # when the walk ends
-    "study.speed_loss": "walk window narrow",
-    "study.peak_power": "stance single",  # whether the formula or the text defines p_max
-    "foot.box_tolerance": "0.05 .inf",  # whether the spline may leave the box
-    "solver.seed": "1 2 3",  # which random numbers the search draws
-    "effects": "null leading_edge shadowing",  # whether faces that trail, and grooves, feel sand
-}
+#: Settings that the paper leaves open, and their values; the first is the default.
+CHOICES: dict[str, list[Any]] = yaml.safe_load((files(__package__) / "choices.yaml").read_text("utf-8"))
 
 
 def changed(config: Config, choice: str, value: Any) -> Config:
@@ -67,9 +54,9 @@ def changes(config: Config) -> Iterator[tuple[str, Config]]:
         check(choice in CHOICES, "study.cases", choice, f"some of {', '.join(CHOICES)}")
         group, _, name = choice.partition(".")
         own = getattr(getattr(config, group), name) if name else None
-        for word in CHOICES[choice].split():
-            if (level := yaml.safe_load(word)) != own:
-                yield f"{choice}={word}", changed(config, choice, level)
+        for level in CHOICES[choice]:
+            if level != own:
+                yield f"{choice}={shown(level)}", changed(config, choice, level)
 
 
 @contextmanager
@@ -132,10 +119,10 @@ def evidence(config: Config, found: dict[str, list[int]]) -> dict[str, Walk]:
     have found, by their settings: no search is done twice.
     """
     study, solver = config.study, Solver(**vars(config.solver))
-    for choice, words in CHOICES.items():
+    for choice, allowed in CHOICES.items():
         group, _, name = choice.partition(".")
         if group == "study":
-            allowed, value = words.split(), getattr(study, name)
+            value = getattr(study, name)
             check(value in allowed, choice, value, f"one of {', '.join(allowed)}")
     if not (solver.walks or solver.n_gen):
         solver = replace(solver, walks=EVALUATIONS)
