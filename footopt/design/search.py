@@ -200,7 +200,7 @@ def _begun(problem: FootProblem, solver: Solver, known: Known, start: Ints | Non
         algorithm.setup(problem, termination=ends, seed=solver.seed, verbose=False)
     except AssertionError as error:  # their way to say it: MOEA/D, DNSGA2, KGB
         needs = "an algorithm that takes constraints: a walk may fail, and a sole leave its box"
-        hint = f"pymoo says: {error} Try solver=nsga3, or another."
+        hint = f"pymoo says: {error} Try solver=nsga2, or another."
         raise SettingError("solver", solver.name, needs, hint) from error
     if start is not None:
         from pymoo.core.initialization import Initialization

@@ -30,7 +30,7 @@ class TestStop:
 
 
 class TestStart:
-    @pytest.mark.parametrize("name", ["memetic", "de", "nsga2"])
+    @pytest.mark.parametrize("name", ["memetic", "ga", "nsga2"])
     def test_the_first_generation_holds_the_designs(self, name):
         k = SMALL.random(3, seed=5)
         found = search(problem(objective_of(name)), name, start=k, pop_size=8, n_gen=2, seed=1)

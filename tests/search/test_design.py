@@ -17,9 +17,7 @@ ASKED = {
     "memetic": "28f4c720b18c5287",
     "archive": "e1d5b44f8d54d5f2",
     "ga": "4be32f3df281d981",
-    "de": "2520dda38b20b5e2",
     "nsga2": "2473a455ec469b47",
-    "nsga3": "e28451d7784662c9",
     "agemoea2": "569305bb4b85cb1d",
     "smsemoa": "db5ed6362d584983",
     "rvea": "1848fb308112d57a",
@@ -72,7 +70,7 @@ class TestProblem:
 class TestSearch:
     @pytest.mark.parametrize(
         "name",
-        [pytest.param(n, marks=pytest.mark.slow) if n in ("nsga3", "agemoea2", "rvea") else n for n in ASKED],
+        [pytest.param(n, marks=pytest.mark.slow) if n in ("agemoea2", "rvea") else n for n in ASKED],
     )
     def test_a_seed_asks_for_the_soles_that_it_always_has(self, name):
         k = search(problem(objective_of(name), space=fo.Waypoints(n=7)), name, pop_size=12, n_gen=4, seed=1).k

@@ -18,7 +18,7 @@ from pymoo.util.ref_dirs import get_reference_directions
 from searching import SMALL, assert_same, problem
 
 from footopt.design import search
-from footopt.design.solvers import WALKS
+from footopt.design.solvers import WALKS, Solver
 from footopt.design.solvers.memetic import Archive, Memetic
 from footopt.errors import SettingError
 
@@ -78,10 +78,22 @@ def test_an_algorithm_of_several_objectives_works_at_its_defaults(path):
     check_found(p, ours.X, ours.F)
 
 
+@pytest.mark.parametrize("path", ["soo.nonconvex.pso.PSO", "moo.ctaea.CTAEA"])
+def test_it_goes_by_its_path_on_the_command_line_too(path):
+    """With as many designs a generation as are asked for, and directions where it needs them."""
+    several = path.startswith("moo.")
+    r = search(problem(["distance", "work"] if several else "work"), path, pop_size=8, n_gen=2)
+    assert (r.solver.name, r.evaluations) == (path, 16)
+    with pytest.raises(SettingError, match=f"solver = '{path}': must be a solver of"):
+        search(problem("work" if several else "pareto"), path)
+    with pytest.raises(SettingError, match=r"solver.name = .* must be a class of pymoo.algorithms"):
+        Solver(f"{path}2").build(1 + several)
+
+
 @pytest.mark.parametrize("path", UNCONSTRAINED.split())
 def test_one_without_constraints_says_once_why_it_cannot_and_what_can_be_done(path):
     p, algorithm = problem(["distance", "work"]), built("moo", path)
-    with pytest.raises(SettingError, match=r"solver = '\w+': must be .*constraints.*Try solver=nsga3"):
+    with pytest.raises(SettingError, match=r"solver = '\w+': must be .*constraints.*Try solver=nsga2"):
         search(p, algorithm)
     with pytest.raises(AssertionError, match="constrain"):  # pymoo's own
         minimize(p, algorithm, ("n_gen", 2), seed=1)

@@ -1,10 +1,12 @@
-"""Solvers by name: what a `Solver` is, and how one's own joins the others."""
+"""Solvers by name: what a `Solver` is, how those of pymoo are built, and how one's own joins them."""
 
 from __future__ import annotations
 
+import inspect
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from importlib import import_module
 from typing import Any
 
 from footopt.errors import SettingError, check, is_number
@@ -19,13 +21,17 @@ SOLVERS: dict[str, Callable[[Solver, int], Any]] = {}
 #: Solvers of one objective; the others want two or more.
 SINGLE: list[str] = []
 
-#: Parameters of operators, by solver; a solver of one's own may add its own.
-GENETIC = ("crossover_prob", "crossover_eta", "mutation_prob", "mutation_eta")
-OPERATORS: dict[str, tuple[str, ...]] = {
-    **dict.fromkeys(("ga", "nsga2", "nsga3", "agemoea2", "smsemoa", "rvea"), GENETIC),
-    "de": ("CR", "F"),
+#: Genetic algorithms of pymoo by name, as classes below `pymoo.algorithms`.
+GENETIC = {
+    "ga": "soo.nonconvex.ga.GA",  # the paper's
+    "nsga2": "moo.nsga2.NSGA2",
+    "agemoea2": "moo.age2.AGEMOEA2",
+    "smsemoa": "moo.sms.SMSEMOA",
+    "rvea": "moo.rvea.RVEA",
 }
 
+#: Parameters of operators, by solver; a solver of one's own may add its own.
+OPERATORS = dict.fromkeys(GENETIC, ("crossover_prob", "crossover_eta", "mutation_prob", "mutation_eta"))
 
 #: The best for one objective, and for several (docs/solvers.md).
 AUTO, BEST = "auto", ("memetic", "archive")
@@ -45,7 +51,9 @@ class Solver:
     Parameters
     ----------
     name : str
-        Name of the solver; auto: the best one for the number of objectives (see `fitting`).
+        Name of the solver; auto: the best one for the number of objectives (see `fitting`). Any other
+        algorithm of pymoo by the path of its class below `pymoo.algorithms`, "moo.ctaea.CTAEA", at its
+        defaults.
     pop_size : int, optional
         Designs a generation; by default it grows from 10 to 100, a twentieth of all
         designs so far, and is 100 for solvers whose population has a fixed size, 4096 for exhaustive.
@@ -54,7 +62,7 @@ class Solver:
     seed : int
         Of everything random; the same seed gives the same result.
     operators : dict of str to float, optional
-        Of crossover and mutation: crossover_prob, crossover_eta, mutation_prob, mutation_eta; CR and F of de.
+        Of crossover and mutation: crossover_prob, crossover_eta, mutation_prob, mutation_eta.
         With them, {} too, a solver of several objectives has simulated binary crossover and polynomial
         mutation in place of moves that suit a spline.
     seconds : float, s, optional
@@ -83,7 +91,8 @@ class Solver:
 
     def _check_name(self) -> None:
         names = (AUTO, *SOLVERS)
-        check(self.name in names, "solver.name", self.name, f"one of {', '.join(names)}")
+        allowed = f"one of {', '.join(names)}, or a class of pymoo.algorithms, such as moo.ctaea.CTAEA"
+        check(self.name in names or "." in self.name, "solver.name", self.name, allowed)
 
     def fitting(self, n_obj: int) -> Solver:
         """This one, or instead of `AUTO` the best for that many objectives."""
@@ -133,10 +142,9 @@ class Solver:
 
     def build(self, n_obj: int) -> Any:
         """A fresh pymoo algorithm; `SettingError` if it is not for that many objectives."""
-        name = self.fitting(n_obj).name
-        several = n_obj > 1
+        name, several = self.fitting(n_obj).name, n_obj > 1
         fit = [other for other in SOLVERS if other == EXHAUSTIVE or (other in SINGLE) != several]
-        if name not in fit:
+        if name not in fit and ("." not in name or name.startswith("soo.") == several):
             kind, hint = "one objective", "Or ask for several: objective=pareto."
             if several:
                 kind, hint = "several objectives", "Or minimise the scalar J_W: objective=efficiency."
@@ -146,10 +154,10 @@ class Solver:
         for word, value in given.items():
             allowed = f"one of {', '.join(known)}" if known else f"left out with solver={name}"
             check(word in known, "solver.operators", word, allowed)
-            most = 1 if word == "CR" or word.endswith("_prob") else 100
+            most = 1 if word.endswith("_prob") else 100
             good = is_number(value) and 0 <= value <= most
             check(good, f"solver.operators.{word}", value, f"a number from 0 to {most}")
-        return SOLVERS[name](self, n_obj)
+        return SOLVERS.get(name, of_pymoo)(self, n_obj)
 
 
 def register(build: Callable[[Solver, int], Any], single: bool = False) -> Callable[[Solver, int], Any]:
@@ -169,6 +177,34 @@ def register(build: Callable[[Solver, int], Any], single: bool = False) -> Calla
     return build
 
 
+def of_pymoo(solver: Solver, n_obj: int) -> Any:
+    """An algorithm of pymoo; those of `GENETIC` have operators for whole numbers, or moves of runs."""
+    module, _, name = GENETIC.get(solver.name, solver.name).rpartition(".")
+    try:
+        algorithm = getattr(import_module(f"pymoo.algorithms.{module}"), name)
+    except (ImportError, AttributeError) as error:
+        raise SettingError("solver.name", solver.name, "a class of pymoo.algorithms", f"{error}") from None
+    from pymoo.core.repair import NoRepair
+
+    from footopt.design.solvers.operators import by_runs, operators, reference_directions
+
+    takes, given = inspect.signature(algorithm).parameters, {}
+    if "pop_size" in takes:
+        given["pop_size"] = solver.size
+    if "ref_dirs" in takes:
+        given["ref_dirs"] = reference_directions(n_obj, solver.size)
+    if solver.name not in GENETIC:
+        return algorithm(**given)
+    runs = n_obj > 1 and solver.operators is None
+    built = algorithm(**given, **(by_runs() if runs else operators(**(solver.operators or {}))))
+    built.initialization.repair = NoRepair()  # what a user begins with is proposed, wherever it lies
+    return built
+
+
 def grown(proposed: int) -> int:
     """Designs of the next generation, after so many were proposed."""
     return min(max(int(SHARE * proposed), FIRST), MOST)
+
+
+SOLVERS |= dict.fromkeys(GENETIC, of_pymoo)
+SINGLE += ["ga"]
