@@ -165,7 +165,7 @@ class Archive:
                 median=float(self._sign * np.median(latest)) if one and len(latest) else math.nan,
                 front=len(front),
                 seconds=seconds,
-                hypervolume=math.nan if one else self._volume(front),
+                hypervolume=math.nan if one else self._volume(),
             )
         )
         self._closed = (len(self.history), self.count, front)
@@ -174,7 +174,7 @@ class Archive:
         """The ranking objective of some designs, minimised."""
         return np.asarray(self._sign * self.designs.values[places, self._column])
 
-    def _volume(self, front: Ints) -> float:
+    def _volume(self) -> float:
         """Hypervolume of the front, in units of the box of what the first generation walked."""
         if self._box is None:
             f = self.problem.minimised(self.designs.values[self.designs.reasons == ""])
@@ -183,7 +183,7 @@ class Archive:
         if self._box is None:
             return math.nan
         worst, span = self._box
-        return self._hypervolume((self._best - worst) / span, front >= self._closed[1])
+        return self._hypervolume((self._best - worst) / span)
 
     def result(self, solver: Solver, seconds: float, interrupted: bool, reused: int) -> SearchResult:
         """Everything that was evaluated up to the last finished generation, and the best of it."""

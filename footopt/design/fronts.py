@@ -11,8 +11,7 @@ from footopt.walk.objectives import MEASURES
 
 REFERENCE = 1.1  # of hypervolumes, where the merged front spans 0 to 1 in every objective
 EXACT = 1000  # designs of a front up to which its hypervolume is exact: the time grows with a power of them
-DIRECTIONS = 2048  # that a larger one is estimated in
-BLOCK = 256  # designs that are looked at together
+DIRECTIONS = 1024  # that a larger one of more than three objectives is estimated in
 
 #: Ways to choose a design, and what is chosen.
 FRONT_RULES = {
@@ -26,30 +25,26 @@ FRONT_RULES = {
 class Volume:
     """Hypervolume of a front that grows, up to the origin: exact, and estimated where the front is large.
 
-    Along a direction a front reaches as far as the best of its designs, and the hypervolume is the mean of
-    that to the power of the objectives, times a constant (Deng & Zhang, IEEE Transactions on Evolutionary
-    Computation 23, 2019). The estimate goes on from the last exact value, and new designs alone change it.
+    The estimate is `moocore.hv_approx` (Deng & Zhang, IEEE Transactions on Evolutionary Computation 23, 2019),
+    in proportion to the exact value of the first front that is large: it goes on from there.
     """
 
     def __init__(self) -> None:
-        self._reach = np.empty(0)
-        self._constant = 0.0
+        self._scale = 0.0
 
-    def __call__(self, f: Array, new: Bools) -> float:
-        """The hypervolume of F (designs, objectives), minimised, of which some have not been seen before."""
-        from moocore import hypervolume
+    def __call__(self, f: Array) -> float:
+        """The hypervolume of F (designs, objectives), minimised."""
+        from moocore import hv_approx, hypervolume
 
-        objectives = f.shape[1]
-        if len(f) <= EXACT and not len(self._reach):
-            return float(hypervolume(f, ref=np.zeros(objectives)))
-        rays = directions(objectives, DIRECTIONS)
-        if not len(self._reach):
-            self._reach = reached(-f, rays)
-            exact = float(hypervolume(f, ref=np.zeros(objectives)))
-            self._constant = exact / float((self._reach**objectives).mean())
-        else:
-            self._reach = np.maximum(self._reach, reached(-f[new], rays))
-        return self._constant * float((self._reach**objectives).mean())
+        worst = np.zeros(f.shape[1])
+        small = f.shape[1] <= 3 or len(f) <= EXACT
+        if small or not self._scale:
+            exact = float(hypervolume(f, ref=worst))
+            if small:
+                return exact
+        estimate = float(hv_approx(f, ref=worst, nsamples=DIRECTIONS, seed=1, method="DZ2019-MC"))
+        self._scale = self._scale or exact / estimate
+        return self._scale * estimate
 
 
 def nondominated(F: Array) -> Bools:
@@ -80,24 +75,6 @@ def ranks(F: Array) -> Ints:
     place = np.empty_like(best)
     np.put_along_axis(place, best, np.arange(len(F))[None], axis=1)
     return place.T
-
-
-def directions(objectives: int, count: int, seed: int = 0) -> Array:
-    """Unit vectors (count, objectives) of the positive orthant, uniform on the sphere, always the same."""
-    drawn = np.abs(np.random.default_rng(seed).normal(size=(count, objectives)))
-    unit: Array = drawn / np.linalg.norm(drawn, axis=1, keepdims=True)
-    return unit
-
-
-def reached(inward: Array, rays: Array) -> Array:
-    """How far a front reaches along each ray, (rays,); inward: -F. A front of no designs reaches 0."""
-    far = np.zeros(len(rays))
-    for begin in range(0, len(inward), BLOCK):
-        least = np.full((min(BLOCK, len(inward) - begin), len(rays)), np.inf)
-        for values, ray in zip(inward[begin : begin + BLOCK].T, (1.0 / rays).T, strict=True):
-            np.minimum(least, np.fmax(values, 0.0)[:, None] * ray, out=least)
-        far = np.maximum(far, least.max(axis=0))
-    return far
 
 
 def hypervolume_shares(fronts: Sequence[Array]) -> list[float]:
