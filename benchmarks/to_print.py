@@ -16,8 +16,8 @@ from solvers import draw
 
 import footopt as fo
 from footopt.design import FootProblem, RobustProblem, confirm, search, under_laws
-from footopt.design.laws import compare, possible_laws
-from footopt.design.scenarios import sands
+from footopt.design.scenarios import possible_laws, sands
+from footopt.design.to_print import compare
 from footopt.walk.ladder import numerics
 
 LONG, FIRST = 5_000, 201  # walks; number of the first random scene

@@ -6,7 +6,6 @@ pymoo's algorithms take a third of a second to import: nothing here imports them
 from footopt.design.archive import Evaluator
 from footopt.design.executor import ENGINES, make_executor
 from footopt.design.fronts import FRONT_RULES, Choice
-from footopt.design.laws import UnderLaws, under_laws
 from footopt.design.problem import Evaluated, FootProblem
 from footopt.design.result import Confirmation, Generation, SearchResult, confirm
 from footopt.design.robust import RobustProblem
@@ -14,6 +13,7 @@ from footopt.design.scenarios import Scenario, Spread, draw
 from footopt.design.search import search
 from footopt.design.solvers import AUTO, EXHAUSTIVE, SINGLE, SOLVERS, WALKS, Solver
 from footopt.design.store import Evaluation, Store
+from footopt.design.to_print import UnderLaws, under_laws
 
 __all__ = [
     "AUTO", "ENGINES", "EXHAUSTIVE", "FRONT_RULES", "SINGLE", "SOLVERS", "WALKS", "Choice",

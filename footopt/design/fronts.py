@@ -25,8 +25,8 @@ FRONT_RULES = {
 class Volume:
     """Hypervolume of a front that grows, up to the origin: exact, and estimated where the front is large.
 
-    The estimate is `moocore.hv_approx` (Deng & Zhang, IEEE Transactions on Evolutionary Computation 23, 2019),
-    in proportion to the exact value of the first front that is large: it goes on from there.
+    The estimate is moocore's (Deng & Zhang, IEEE Transactions on Evolutionary Computation 23, 2019), in
+    proportion to the exact value of the first front that is large: it goes on from there.
     """
 
     def __init__(self) -> None:

@@ -3,7 +3,7 @@
 import math
 from collections import Counter
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -165,6 +165,17 @@ class SearchResult:
         """The best design."""
         return Foot.from_waypoints(self.k[self.best], self.problem.space)
 
+    def leaders(self, most: int) -> Ints:
+        """Indices of the best feasible designs, of which there are so many at most, the best first."""
+        pool = np.flatnonzero(self.feasible)
+        return pool[np.argsort(self.problem.scores(self.values[pool]), kind="stable")[:most]]
+
+    def whole(self, doing: str) -> Self:
+        """It, unless it was interrupted; then a `KeyboardInterrupt` that says what it was doing."""
+        if self.interrupted:
+            raise KeyboardInterrupt(f"while {doing}")
+        return self
+
     def column(self, name: str) -> Array:
         """A recorded value of every design, (designs,), natural sign."""
         if name not in self.problem.record:
@@ -245,10 +256,7 @@ def confirm(result: SearchResult, accuracy: AnyAccuracy | str, finalists: int = 
     """
     check_finalists(finalists)
     accuracy, problem = resolve(accuracy), result.problem
-    chosen = result.shown
-    if problem.n_obj == 1:
-        pool = np.flatnonzero(result.feasible)
-        chosen = pool[np.argsort(problem.scores(result.values[pool]), kind="stable")[:finalists]]
+    chosen = result.leaders(finalists) if problem.n_obj == 1 else result.shown
     if accuracy == problem.accuracy:
         values, reasons = result.values[chosen], np.full(len(chosen), "")
     else:

@@ -1,5 +1,6 @@
 """`RobustProblem`: one foot for many scenarios, judged by the mean, the worst case or the worst tail."""
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -10,7 +11,6 @@ from footopt.design.archive import Evaluator
 from footopt.design.problem import FootProblem
 from footopt.design.scenarios import Scenario
 from footopt.design.search import search
-from footopt.design.solvers import EXHAUSTIVE
 from footopt.errors import FootoptError, check
 from footopt.foot import Waypoints
 from footopt.walk.accuracy import AnyAccuracy
@@ -20,7 +20,6 @@ from footopt.walk.simulate import evaluate
 #: How values over scenarios become one; "tail" is the mean over the worst share of them (CVaR).
 RISK_MEASURES = ("mean", "tail", "worst")
 KEPT = 10  # designs whose worst case is known in full: others, if they lose more in one scenario, are dropped
-FEW = 10_000  # soles of a space that are all evaluated for a scenario's best one, as many as by a search
 
 
 class RobustProblem(FootProblem):
@@ -85,17 +84,15 @@ class RobustProblem(FootProblem):
         check(good, "references", self.references.tolist(), f"{len(names)} numbers other than 0")
 
     def _own_bests(self) -> list[float]:
-        """`ranking_objective` of the best foot of each scenario alone: of all soles, where these are few."""
-        found, solver = [], EXHAUSTIVE if self.space.K**self.space.n <= FEW else None
+        """`ranking_objective` of the best foot of each scenario alone."""
+        found = []
         for s in self.scenarios:
             space = s.space(self.space)
             alone = FootProblem(s.scene, self.ranking_objective, space, self.accuracy, self.threads)
             try:
-                result = search(alone, solver)
+                result = search(alone).whole(f"searching the best foot for {s.name} alone")
             except FootoptError as error:
                 raise FootoptError(f"{s.name}: {error}") from None
-            if result.interrupted:
-                raise KeyboardInterrupt(f"while searching the best foot for {s.name} alone")
             found.append(float(result.column(self.ranking_objective)[result.best]))
         return found
 
@@ -119,64 +116,65 @@ class RobustProblem(FootProblem):
 
     def walk(self, k: Ints) -> tuple[Array, Words]:
         """Measures of the values over the scenarios, (designs, record), and the reasons of failed walks."""
-        values, reasons = self.walk_each(k)
+        return self._measured(*self.walk_each(k))
+
+    def _measured(self, values: Array, reasons: Words) -> tuple[Array, Words]:
+        """Measures, and in the first of the scenarios (scenarios, designs, ...) that a design fails in, why.
+
+        The ranking objective is divided by the references in place.
+        """
         values[..., self.record.index(self.ranking_objective)] /= np.abs(self.references)[:, None]
-        total = self.signs * risk(self.signs * values, self.measure, self.tail)
-        return self._without_failed(total, reasons)
+        total, failed = self.signs * risk(self.signs * values, self.measure, self.tail), reasons != ""
+        total[failed.any(axis=0)] = np.nan
+        first = zip(failed.argmax(axis=0), reasons.T, strict=True)
+        why = [f"{column[i]} ({self.scenarios[i].name})" if column[i] else "" for i, column in first]
+        return total, np.array(why, dtype=np.str_)
 
     @property
     def signs(self) -> Array:
         """1 for each recorded value that is minimised, and -1 for the others."""
         return np.array([MEASURES[name].sign for name in self.record])
 
-    def _without_failed(self, total: Array, reasons: Words) -> tuple[Array, Words]:
-        """Measures, and why designs fail: in the first of the scenarios (scenarios, designs) that they do."""
-        failed = reasons != ""
-        total[failed.any(axis=0)] = np.nan
-        first = zip(failed.argmax(axis=0), reasons.T, strict=True)
-        why = [f"{column[i]} ({self.scenarios[i].name})" if column[i] else "" for i, column in first]
-        return total, np.array(why, dtype=np.str_)
 
-
-class Race:
-    """The worst case of each design, until it is worse than those of `KEPT` others (`Archive`'s `walk`).
+class Race(RobustProblem):
+    """The worst case of each design, until it is worse than those of `KEPT` others.
 
     The scenario that has been the worst one most often comes first. A design that loses more in it than all
     of the best ones anywhere is evaluated in no other: its values are those of the scenarios so far.
 
     Parameters
     ----------
-    problem : RobustProblem
-        Of the measure "worst".
+    scenarios, references
+        As in `RobustProblem`.
     evaluators : sequence of Evaluator
-        Of each scenario alone.
+        Of each scenario alone; of the limits that on the ranking objective is left out.
     """
 
-    def __init__(self, problem: RobustProblem, evaluators: Sequence[Evaluator]) -> None:
-        self.problem, self.evaluators = problem, evaluators
+    def __init__(
+        self, scenarios: Sequence[Scenario], references: Sequence[float], evaluators: Sequence[Evaluator]
+    ) -> None:
+        one = evaluators[0].problem
+        limits = {name: limit for name, limit in one.limits.items() if name != one.ranking_objective}
+        alike: Any = {"accuracy": one.accuracy, "threads": one.threads, "limits": limits}
+        super().__init__(scenarios, one.names, one.space, **alike, references=references)
+        self.evaluators = evaluators
         self._times_worst = np.zeros(len(evaluators))
         self._best = np.full(KEPT, np.inf)  # worst cases of the best designs so far, minimised
 
-    @property
-    def reused(self) -> int:
-        """Evaluations that were read from a store."""
-        return sum(evaluator.reused for evaluator in self.evaluators)
-
-    def __call__(self, k: Ints) -> tuple[Array, Words]:
-        """Recorded values (designs, record), and the reasons of failed walks."""
-        p, left = self.problem, np.arange(len(k))
-        ranking, limit = p.record.index(p.ranking_objective), self._best[-1]
-        values = np.full((len(p.scenarios), len(k), len(p.record)), np.nan)
-        reasons = np.full((len(p.scenarios), len(k)), "", dtype=object)
+    def walk(self, k: Ints) -> tuple[Array, Words]:
+        """The same of those scenarios that each design is evaluated in."""
+        left, ranking = np.arange(len(k)), self.record.index(self.ranking_objective)
+        values = np.full((len(self.scenarios), len(k), len(self.record)), np.nan)
+        reasons = np.full(values.shape[:2], "", dtype=object)
         for i in np.argsort(-self._times_worst, kind="stable"):
             if len(left):
                 values[i, left], reasons[i, left] = self.evaluators[i](k[left])
-                values[i, left, ranking] /= abs(p.references[i])
-                left = left[p.signs[ranking] * values[i, left, ranking] <= limit]  # and none that fails
-        losses = p.signs[ranking] * values[..., ranking]
-        total, why = p._without_failed(p.signs * np.fmax.reduce(p.signs * values), reasons)
+                lost = self.signs[ranking] * values[i, left, ranking] / abs(self.references[i])
+                left = left[lost <= self._best[-1]]  # and none that fails
+        total, why = self._measured(values, reasons)
+        losses = self.signs[ranking] * values[..., ranking]
         known = ~np.isnan(losses).any(axis=0)
-        kept = known & p.feasible(total, why, np.zeros(len(k)))
+        kept = known & self.feasible(total, why, np.zeros(len(k)))
         self._best = np.sort(np.append(self._best, losses[:, kept].max(axis=0)))[:KEPT]
         walked = ~np.isnan(losses).all(axis=0)
         np.add.at(self._times_worst, np.nanargmax(losses[:, walked], axis=0), 1)
@@ -189,7 +187,7 @@ def risk(values: Array, measure: str, tail: float) -> Array:
     Parameters
     ----------
     values : (scenarios, ...)
-        To be minimised.
+        To be minimised; by "worst" NaN in some is left out.
     measure : str
         In `RISK_MEASURES`.
     tail : float
@@ -203,10 +201,10 @@ def risk(values: Array, measure: str, tail: float) -> Array:
     """
     share = {"mean": 1.0, "tail": tail, "worst": 0.0}[measure]
     scenarios = max(share * len(values), 1.0)
-    parts = np.clip(scenarios - np.arange(len(values)), 0.0, 1.0)
+    parts = np.clip(scenarios - np.arange(math.ceil(scenarios)), 0.0, 1.0)
     worst_first = -np.sort(-values, axis=0)
     # numpy's sum over an axis may round differently from batch to batch
-    return np.asarray(sum(part * value for part, value in zip(parts, worst_first, strict=True)) / scenarios)
+    return np.asarray(sum(part * value for part, value in zip(parts, worst_first, strict=False)) / scenarios)
 
 
 def check_measure(measure: str, tail: float) -> None:

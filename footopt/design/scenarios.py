@@ -117,10 +117,19 @@ def plausible_laws(scene: Any) -> tuple[Scenario, ...]:
     return tuple(Scenario(name, replace(scene, effects=(*others, *on))) for name, on in choices.items())
 
 
-def harder_and_softer(scene: Any, spread: float) -> tuple[Scenario, ...]:
-    """A scene on sand with zeta a standard deviation of its logarithm lower, and higher; none without one."""
+def possible_laws(scene: Any, spread: float) -> tuple[Scenario, ...]:
+    """A scene as it is, under the laws that may be true instead of its own, and with another zeta.
+
+    zeta is a standard deviation of its logarithm lower, and higher, unless `spread` is 0. There is no other
+    law of a scene without sand.
+    """
+    own = Scenario("own law", scene)
+    if scene.sand is None:
+        return (own,)
+    others = (law for law in plausible_laws(scene) if law.scene != scene)
     factors = (math.exp(-spread), math.exp(spread)) if spread else ()
-    return tuple(Scenario(f"zeta x {factor:.2g}", scale_zeta(scene, factor)) for factor in factors)
+    zetas = (Scenario(f"zeta x {factor:.2g}", scale_zeta(scene, factor)) for factor in factors)
+    return (own, *others, *zetas)
 
 
 def scale_zeta(scene: Any, factor: float) -> Any:

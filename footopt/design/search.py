@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from threadpoolctl import threadpool_limits
 
-from footopt.arrays import Array, Ints
+from footopt.arrays import Array
 from footopt.design.archive import Archive, Evaluator
 from footopt.design.problem import KNOWN, FootProblem, Known, whole
 from footopt.design.result import Generation, SearchResult
@@ -90,15 +90,22 @@ def search(
         check(name in BUDGET, name, value, f"one of {', '.join(BUDGET)}, as a keyword")
     solver = _as_solver(solver, budget).fitting(problem.n_obj)
     opened = Store(store, problem) if isinstance(store, (str, Path)) else nullcontext(store)
+    tell, interrupted, stopped = _line if progress is True else progress or None, False, ""
     with opened as kept:
         evaluator = Evaluator(problem, kept, executor)
-        first = None if start is None else problem.space.check(start)
-        result = ask_and_tell(
-            problem, solver, _line if progress is True else progress or None, evaluator, stop, first
-        )
+        archive = Archive(problem, evaluator)
+        algorithm = _begun(problem, solver, archive.known, start, stop)
+        most = math.inf if stop is not None and not solver.walks else solver.most
+        began = time.perf_counter()
+        try:
+            with threadpool_limits(1, "blas"):  # too little for threads, which would wait for each other
+                stopped = _ask_and_tell(archive, algorithm, solver, tell, most)
+        except KeyboardInterrupt:
+            interrupted = True
+        result = archive.result(solver, time.perf_counter() - began, interrupted, evaluator.reused)
     if progress is True:
         print(file=sys.stderr)
-    return result
+    return replace(result, stopped=stopped)
 
 
 @dataclass(frozen=True)
@@ -144,50 +151,31 @@ def _line(g: Generation) -> None:
     print(f"\r{f'{where}, {value}, {g.seconds:.1f} s':<78}", end="", file=sys.stderr, flush=True)
 
 
-def ask_and_tell(
-    problem: FootProblem,
-    solver: Solver,
-    progress: Callable[[Generation], object] | None,
-    evaluator: Any,
-    termination: Any,
-    start: Ints | None = None,
-) -> SearchResult:
-    """Ask the solver for a generation, walk what is new of it, tell the solver, and so on.
-
-    An `evaluator` is called like an `Evaluator`, and has its `reused`.
-    """
-    archive = Archive(problem, evaluator)
-    algorithm = _begun(problem, solver, archive.known, start, termination)
-    most = math.inf if termination is not None and not solver.walks else solver.most
-    began, interrupted, stopped = time.perf_counter(), False, ""
-    try:
-        with threadpool_limits(1, "blas"):  # too little for threads, which would wait for each other
-            while archive.count < most and not stopped:
-                proposed = algorithm.ask() if algorithm.has_next() else None
-                if proposed is None:
-                    end = algorithm.termination  # or it has found nothing new
-                    ended = end.has_terminated() and not end.force_termination
-                    ended = ended or len(archive.history) == solver.n_gen or solver.name == EXHAUSTIVE
-                    stopped = "" if ended else ENOUGH
-                    break
-                k = whole(proposed.get("X"), problem)
-                first = archive.first(k, most)  # the last generation is cut where the walks end
-                found = archive.evaluate(k[:first])
-                if first == len(k):
-                    _tell(algorithm, proposed, *found)
-                archive.close_generation(time.perf_counter() - began)
-                latest = archive.history[-1]
-                if solver.seconds is not None and latest.seconds >= solver.seconds:
-                    stopped = f"after {solver.seconds:g} s"
-                if progress is not None and progress(latest) is True:
-                    stopped = "by its progress"
-    except KeyboardInterrupt:
-        interrupted = True
-    result = archive.result(solver, time.perf_counter() - began, interrupted, evaluator.reused)
-    return replace(result, stopped=stopped)
+def _ask_and_tell(archive: Archive, algorithm: Any, solver: Solver, progress: Any, most: float) -> str:
+    """Ask for a generation, walk what is new of it, tell the algorithm, and so on; why that was stopped."""
+    began = time.perf_counter()
+    while archive.count < most:
+        proposed = algorithm.ask() if algorithm.has_next() else None
+        if proposed is None:
+            end = algorithm.termination  # or it has found nothing new
+            ended = end.has_terminated() and not end.force_termination
+            ended = ended or len(archive.history) == solver.n_gen or solver.name == EXHAUSTIVE
+            return "" if ended else ENOUGH
+        k = whole(proposed.get("X"), archive.problem)
+        first = archive.first(k, most)  # the last generation is cut where the walks end
+        found = archive.evaluate(k[:first])
+        if first == len(k):
+            _tell(algorithm, proposed, *found)
+        archive.close_generation(time.perf_counter() - began)
+        latest = archive.history[-1]
+        if progress is not None and progress(latest) is True:
+            return "by its progress"
+        if solver.seconds is not None and latest.seconds >= solver.seconds:
+            return f"after {solver.seconds:g} s"
+    return ""
 
 
-def _begun(problem: FootProblem, solver: Solver, known: Known, start: Ints | None, termination: Any) -> Any:
+def _begun(problem: FootProblem, solver: Solver, known: Known, start: Any, termination: Any) -> Any:
     """A solver's pymoo algorithm, which may propose none of the designs again that are `known` by then."""
     solver.check_space(problem.space)
     algorithm = solver.build(problem.n_obj)
@@ -208,6 +196,7 @@ def _begun(problem: FootProblem, solver: Solver, known: Known, start: Ints | Non
         initial: Any = getattr(algorithm, "initialization", None)
         check(initial is not None, "start", solver.name, "left out: this solver draws its own designs")
         most = next(solver.sizes())
+        start = problem.space.check(start)
         check(len(start) <= most, "start", len(start), f"at most {most} designs")
         drawing = Initialization(initial.sampling)
         drawn = drawing.do(problem, most, random_state=algorithm.random_state).get("X").copy()

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from rich.table import Table
 
 from footopt.arrays import Array
-from footopt.design.laws import drafted
+from footopt.design.to_print import drafted
 from footopt.effects import EFFECTS, Effect, name_of, parameters
 from footopt.errors import check
 from footopt.foot import Foot, Waypoints

@@ -23,7 +23,7 @@ from footopt.design import (
 )
 from footopt.design.certificate import Certificate, certified
 from footopt.design.fronts import excess
-from footopt.design.laws import REACH, better_zetas, compare
+from footopt.design.to_print import REACH, better_zetas, compare
 from footopt.errors import SettingError, check
 from footopt.files import io as files
 from footopt.files.feet import write_all
@@ -40,7 +40,7 @@ from footopt.walk.checks import Diagnostic
 from footopt.walk.ladder import SHARE, ladder, numerics
 
 
-class Laws(NamedTuple):
+class Findings(NamedTuple):
     """What is known of the best foot under other laws; all is empty where it is evaluated under none."""
 
     entry: dict[str, Any]  # in result.json
@@ -101,14 +101,16 @@ def run(study: Study) -> Any:
     return values
 
 
-def _evaluated(study: Study, result: SearchResult, confirmed: Confirmation) -> Laws:
+def _evaluated(study: Study, result: SearchResult, confirmed: Confirmation) -> Findings:
     """The best foot, soles that should lose little under every law, and the flat one, under every law."""
     problem, under, rank, zetas = result.problem, _under(study, result, confirmed), "", None
     if len(under.laws) > 1 and problem.n_obj == 1:
         zetas = better_zetas(problem, under.k[0], under.k[-1])
         count = sum(int(losses[0] < losses[-1]) for losses in under.losses)
         rank = f"Beats flat under {count} of {len(under.laws)} laws{_at(zetas, problem.scene)}. "
-    found = Laws({"laws": under.entry(0), "better_than_flat_zeta": zetas}, under.range_of(0), rank)
+    laws = under.entry(0)
+    ranges = {name: [law["change"][name] for law in laws[1:]] for name in problem.record if laws}
+    found = Findings({"laws": laws, "better_than_flat_zeta": zetas}, ranges, rank)
     chosen = None if study.options.laws is None else under.steadiest
     if chosen is None:
         return found
@@ -153,7 +155,7 @@ def _at(zetas: tuple[float | None, float | None] | None, scene: Any) -> str:
 
 
 def _tell(
-    study: Study, walk: Walk, entry: dict[str, Any], diagnostics: Sequence[Diagnostic], laws: Laws,
+    study: Study, walk: Walk, entry: dict[str, Any], diagnostics: Sequence[Diagnostic], laws: Findings,
     result: SearchResult, confirmed: Confirmation, certificate: Certificate | None,
 ) -> None:  # fmt: skip
     """Print the answer, and warnings about it; everything else about it with study.details."""

@@ -146,8 +146,7 @@ def searched(
             result = search(problem, solver, tell, store, executor)
     except FootoptError as error:
         raise FootoptError(f"{name}: {error}") from None
-    if result.interrupted:
-        raise KeyboardInterrupt(f"while searching a foot for {name}")
+    result.whole(f"searching a foot for {name}")
     study.say(f"{name}: {terminal.describe_search(result)}")
     return result, confirm(result, finer, study.options.finalists)
 

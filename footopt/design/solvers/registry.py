@@ -188,9 +188,8 @@ def of_pymoo(solver: Solver, n_obj: int) -> Any:
 
     from footopt.design.solvers.operators import by_runs, operators, reference_directions
 
-    takes, given = inspect.signature(algorithm).parameters, {}
-    if "pop_size" in takes:
-        given["pop_size"] = solver.size
+    takes = inspect.signature(algorithm).parameters
+    given: dict[str, Any] = {"pop_size": solver.size} if "pop_size" in takes else {}
     if "ref_dirs" in takes:
         given["ref_dirs"] = reference_directions(n_obj, solver.size)
     if solver.name not in GENETIC:

@@ -3,7 +3,7 @@
 from dataclasses import asdict
 from typing import Any
 
-from footopt.design.scenarios import harder_and_softer, plausible_laws
+from footopt.design.scenarios import possible_laws
 from footopt.effects import name_of
 from footopt.foot import Foot, Waypoints
 from footopt.foot.plates import CORNER, RULES
@@ -85,8 +85,8 @@ def physics(
                 "zeta": other.scene.sand.zeta / scene.sand.zeta,
                 "effects": _laws(other.scene),
             }
-            for other in (*plausible_laws(scene), *harder_and_softer(scene, spread))
-            if other.scene != scene and all(e.in_page for e in other.scene.effects)
+            for other in possible_laws(scene, spread)[1:]
+            if all(e.in_page for e in other.scene.effects)
         ],
         "why": [WHY[name] for name in ("depth of the sole", "depth of the ankle")],
         "floors": FLOORS,

@@ -17,9 +17,9 @@ from footopt.arrays import Array, Ints
 from footopt.design.archive import Evaluator
 from footopt.design.problem import FootProblem
 from footopt.design.result import Confirmation, SearchResult
-from footopt.design.robust import Race, RobustProblem, regret
-from footopt.design.scenarios import Scenario, Spread, harder_and_softer, plausible_laws, scale_zeta
-from footopt.design.search import ask_and_tell, search
+from footopt.design.robust import Race, regret
+from footopt.design.scenarios import Scenario, Spread, possible_laws, scale_zeta
+from footopt.design.search import search
 from footopt.design.solvers import Solver
 from footopt.design.store import Store
 from footopt.errors import FootoptError
@@ -81,23 +81,6 @@ class UnderLaws:
             }
             for law, losses, changes in zip(self.laws, self.losses, self.changes, strict=True)
         ]
-
-    def range_of(self, foot: int) -> dict[str, list[float]]:
-        """The changes of a foot under the other laws than the scene's own, by name."""
-        names = self.changes[0] if self.changes else ()
-        return {name: [float(changes[name][foot]) for changes in self.changes[1:]] for name in names}
-
-
-def possible_laws(scene: Any, spread: float) -> tuple[Scenario, ...]:
-    """A scene as it is, under the laws that may be true instead of its own, and with another zeta.
-
-    `spread` is a standard deviation of the logarithm of zeta. There is no other law of a scene without sand.
-    """
-    own = Scenario("own law", scene)
-    if scene.sand is None:
-        return (own,)
-    others = (law for law in plausible_laws(scene) if law.scene != scene)
-    return (own, *others, *harder_and_softer(scene, spread))
 
 
 def under_laws(
@@ -191,56 +174,40 @@ def candidates(
     KeyboardInterrupt
         It was interrupted.
     """
-    problem, start, name = result.problem, _best(result, FIRST), result.problem.ranking_objective
+    problem, start, name = result.problem, result.k[result.leaders(FIRST)], result.problem.ranking_objective
     numbers = numerics(drafted(problem.accuracy), problem.scene, problem.space)
-    walks = max(math.ceil(share * result.evaluations), LEAST)
-    common: Any = {"space": problem.space, "accuracy": numbers, "threads": problem.threads}
-    walked, references, evaluators = [], [], []
+    walks, doing = max(math.ceil(share * result.evaluations), LEAST), "searching the foot to print"
     found: list[Ints] = []
+    walked: list[tuple[Scenario, float, Evaluator]] = []  # laws, with references and evaluators
 
     def solver(walks: int) -> Solver:
         size = max(min(EVEN, walks // 8), FIRST)
-        return Solver(walks=walks, pop_size=size, seed=result.solver.seed).fitting(1)
+        return Solver(walks=walks, pop_size=size, seed=result.solver.seed)
 
     with ExitStack() as opened:
         for law in laws:
-            alone = FootProblem(law.scene, problem.names, **common, limits=problem.limits)
+            alone = FootProblem(
+                law.scene, problem.names, problem.space, numbers, problem.threads, problem.limits
+            )
             kept = None if store is None else opened.enter_context(Store(store, alone))
             most = len(start) if law.scene == problem.scene else walks  # that has been searched
             with suppress(FootoptError):  # no foot walks
                 begin = _different([*found[::-1], start])
-                best = _whole(search(alone, solver(most), store=kept, executor=executor, start=begin))
-                walked.append(law)
-                evaluators.append(Evaluator(alone, kept, executor))
-                references.append(_size(best.column(name)[best.feasible], name))
+                best = search(alone, solver(most), store=kept, executor=executor, start=begin).whole(doing)
+                reference = _size(best.column(name)[best.feasible], name)
+                walked.append((law, reference, Evaluator(alone, kept, executor)))
                 found.append(best.k[[best.best]])
         if len(walked) > 1:
-            limits = {other: limit for other, limit in problem.limits.items() if other != name}
-            together = RobustProblem(walked, problem.names, **common, references=references, limits=limits)
             with suppress(FootoptError):  # none walks under all of them
-                race = Race(together, evaluators)
-                best = ask_and_tell(together, solver(TIMES * walks), None, race, None, _different(found))
-                found.append(_best(_whole(best), LAST))
+                race = Race(*zip(*walked, strict=True))
+                best = search(race, solver(TIMES * walks), start=_different(found)).whole(doing)
+                found.append(best.k[best.leaders(LAST)])
     return np.unique(np.concatenate(found or [start]), axis=0)
-
-
-def _whole(result: SearchResult) -> SearchResult:
-    """A search that was not interrupted."""
-    if result.interrupted:
-        raise KeyboardInterrupt("while searching the foot to print")
-    return result
 
 
 def _different(soles: list[Ints]) -> Ints:
     """The first of some soles, each once."""
     return np.array(list(dict.fromkeys(map(tuple, np.concatenate(soles).tolist())))[:FIRST])
-
-
-def _best(result: SearchResult, most: int) -> Ints:
-    """The best soles of a search, (soles, n)."""
-    pool = np.flatnonzero(result.feasible)
-    ranked = result.problem.scores(result.values[pool])
-    return result.k[pool[np.argsort(ranked, kind="stable")[:most]]]
 
 
 def drafted(accuracy: AnyAccuracy) -> AnyAccuracy:

@@ -7,8 +7,9 @@ from searching import QUICK, SMALL
 import footopt as fo
 from footopt.design import robust
 from footopt.design.archive import Evaluator
-from footopt.design.laws import better_zetas, candidates, compare, possible_laws
 from footopt.design.robust import Race, RobustProblem
+from footopt.design.scenarios import possible_laws
+from footopt.design.to_print import better_zetas, candidates, compare
 
 LAWS = possible_laws(fo.Scene(), 0.3)
 FLAT = np.full(SMALL.n, SMALL.K)
@@ -77,9 +78,9 @@ def test_a_sole_that_a_law_rules_out_is_evaluated_under_no_other():
     references = [np.nanmin(j_w(EVERY, law.scene)) for law in LAWS[:3]]
     problem = RobustProblem(LAWS[:3], "efficiency", SMALL, QUICK, references=references)
     alone = [Evaluator(fo.FootProblem(law.scene, "efficiency", SMALL, QUICK)) for law in LAWS[:3]]
-    race, at = Race(problem, alone), problem.record.index("efficiency")
+    race, at = Race(LAWS[:3], references, alone), problem.record.index("efficiency")
     batches = SMALL.random(400, seed=1, inside=True).reshape(20, 20, -1)
-    raced = np.concatenate([race(k)[0][:, at] for k in batches])
+    raced = np.concatenate([race.walk(k)[0][:, at] for k in batches])
     exact = problem.walk(batches.reshape(400, -1))[0][:, at]
     np.testing.assert_array_less(raced, exact + 1e-12)
     known = raced == exact
