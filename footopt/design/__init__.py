@@ -12,12 +12,12 @@ from footopt.design.robust import RobustProblem
 from footopt.design.scenarios import Scenario, Spread, draw
 from footopt.design.search import search
 from footopt.design.solvers import AUTO, EXHAUSTIVE, SINGLE, SOLVERS, WALKS, Solver
-from footopt.design.store import Evaluation, Store
+from footopt.design.store import Store
 from footopt.design.to_print import UnderLaws, under_laws
 
 __all__ = [
     "AUTO", "ENGINES", "EXHAUSTIVE", "FRONT_RULES", "SINGLE", "SOLVERS", "WALKS", "Choice",
-    "Confirmation", "Evaluated", "Evaluation", "Evaluator", "FootProblem", "Generation", "RobustProblem",
+    "Confirmation", "Evaluated", "Evaluator", "FootProblem", "Generation", "RobustProblem",
     "Scenario", "SearchResult", "Solver", "Spread", "Store", "UnderLaws", "confirm", "draw", "make_executor",
     "search", "under_laws",
 ]  # fmt: skip

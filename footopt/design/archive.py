@@ -18,7 +18,7 @@ from footopt.design.fronts import Volume, extended
 from footopt.design.problem import FootProblem, Known
 from footopt.design.result import Generation, SearchResult
 from footopt.design.solvers import Solver
-from footopt.design.store import ERROR, Evaluation, Store
+from footopt.design.store import ERROR, Store
 from footopt.errors import FootoptError
 from footopt.foot.waypoints import heights_text
 from footopt.walk.objectives import MEASURES
@@ -55,19 +55,17 @@ class Evaluator:
 
     def __call__(self, k: Ints) -> tuple[Array, Words]:
         """Recorded values (designs, record) and why each walk failed, or "", of designs (designs, n)."""
-        known = [None] * len(k) if self.store is None else self.store.get(k.tolist())
-        new = [i for i, e in enumerate(known) if e is None or e.reason.startswith(ERROR)]
-        self.reused += len(k) - len(new)
-        values, reasons = np.empty((len(k), len(self.problem.record))), np.full(len(k), "", object)
-        for i, e in enumerate(known):
-            if e is not None:
-                values[i], reasons[i] = e
-        if new:
+        values, reasons = np.empty((len(k), len(self.problem.record))), np.full(len(k), ERROR, object)
+        if self.store is not None:
+            values, reasons = self.store.get(k)
+        new = np.array([reason.startswith(ERROR) for reason in reasons])
+        self.reused += int((~new).sum())
+        if new.any():
             values[new], reasons[new] = self._walk(k[new])
             values[np.isnan(values)] = np.nan  # one NaN: a store keeps no other
             self._report(k[new], reasons[new].tolist())
             if self.store is not None:
-                self.store.add(k[new].tolist(), list(map(Evaluation, values[new], reasons[new].tolist())))
+                self.store.add(k[new], values[new], reasons[new])
         return values, reasons.astype(np.str_)
 
     def _report(self, k: Ints, reasons: Sequence[str]) -> None:

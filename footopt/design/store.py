@@ -19,11 +19,11 @@ from contextlib import contextmanager
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from footopt.arrays import Array
+from footopt.arrays import Array, Ints, Words
 from footopt.compiled import sources, target
 from footopt.design.problem import FootProblem
 from footopt.errors import FileError, named
@@ -59,13 +59,6 @@ MEANING = {
     sqlite3.SQLITE_BUSY: (f"has been locked for {PATIENCE:g} s", "Does another program hold it?"),
 }
 UNUSABLE = ("cannot be used", "Choose a study.store in a folder that can be written and has room.")
-
-
-class Evaluation(NamedTuple):
-    """A design in a store: recorded values (record,) and why its walk failed, or ""."""
-
-    values: Array
-    reason: str
 
 
 class Store:
@@ -104,11 +97,9 @@ class Store:
             with self._explained() as connection:
                 self._make_or_check(connection)
                 self._id = self._enter(connection)
-            others = self._others()
-            same = {number: found for number, (found, code) in others.items() if code}
-            self.foreign = min(same.values(), key=len, default=[]) if reuse or not len(self) else []
-            self._nearest = min((found for found, _ in others.values()), key=len, default=[])
-            self._read_from = (self._id, *(same if reuse else ()))
+            others = self._by_other_code()
+            self.foreign = min(others.values(), key=len, default=[]) if reuse or not len(self) else []
+            self._read_from = (self._id, *(others if reuse else ()))
         except BaseException:
             self.close()
             raise
@@ -130,38 +121,39 @@ class Store:
             query = "SELECT COUNT(*) FROM design WHERE context = ?"
             return int(connection.execute(query, (self._id,)).fetchone()[0])
 
-    def get(self, k: Sequence[Sequence[int]]) -> list[Evaluation | None]:
-        """The evaluation of each design, None where it is not known."""
+    def get(self, k: Ints) -> tuple[Array, Words]:
+        """Recorded values (designs, record) of designs (designs, n), and the reasons of failed walks.
+
+        The reason of a design that is not known is `ERROR`.
+        """
         marks = ", ".join("?" * len(self._read_from))
         query = f"SELECT k, record, reason FROM design WHERE context IN ({marks}) "
         query += "AND k IN (SELECT value FROM json_each(?)) ORDER BY context = ?"  # its own last: they count
-        keys = [canonical(heights) for heights in k]
+        keys = [canonical(heights) for heights in k.tolist()]
         with self._explained() as connection:
             rows = connection.execute(query, (*self._read_from, canonical(keys), self._id))
-            known = {key: Evaluation(np.array(json.loads(r), float), why) for key, r, why in rows}
-        return [known.get(key) for key in keys]
+            known = {key: (json.loads(record), reason) for key, record, reason in rows}
+        unknown = [None] * len(self.problem.record), ERROR
+        found = [known.get(key, unknown) for key in keys]
+        return np.array([record for record, _ in found], float), np.array([why for _, why in found], object)
 
-    def add(self, k: Sequence[Sequence[int]], evaluations: Sequence[Evaluation]) -> None:
+    def add(self, k: Ints, values: Array, reasons: Words) -> None:
         """Keep designs, all or none; what is known stays, unless its walk had raised an exception."""
-        rows = [
-            (self._id, canonical(heights), _written(values), reason)
-            for heights, (values, reason) in zip(k, evaluations, strict=True)
-        ]
+        each = zip(k.tolist(), values, reasons.tolist(), strict=True)
+        rows = [(self._id, canonical(heights), _written(record), reason) for heights, record, reason in each]
         with self._explained() as connection, _transaction(connection):
             connection.executemany(ADD, rows)
 
     def describe(self) -> str:
-        """One line about the designs that can be used, or why there are none; "" for a new file."""
+        """One line about the designs that can be used, or those that other code has walked; or ""."""
         if known := len(self):
             return f"{known} designs of this search are known from {self.path}"
-        if len(self._read_from) > 1:
-            return f"Designs in {self.path} of other code are used again: {listed(self.foreign)} differ"
-        if self._nearest:
-            return f"No design in {self.path} can be used again: {listed(self._nearest)} differ"
-        return ""
+        used = "used again" if len(self._read_from) > 1 else "not used"
+        told = f"Designs in {self.path} of other code are {used}: {listed(self.foreign)} differ"
+        return told if self.foreign else ""
 
-    def _others(self) -> dict[int, tuple[list[str], bool]]:
-        """Other contexts that have designs: what differs from this one, and whether that is only code."""
+    def _by_other_code(self) -> dict[int, list[str]]:
+        """Contexts of the same settings that have designs, and how the code or machine there differs."""
         query = (
             "SELECT id, description FROM context WHERE id != ? "
             "AND EXISTS (SELECT 1 FROM design WHERE context = context.id)"
@@ -169,7 +161,7 @@ class Store:
         with self._explained() as connection:
             rows = connection.execute(query, (self._id,)).fetchall()
         found = {number: differences(json.loads(text), self._context) for number, text in rows}
-        return {number: (names, all(n.startswith(CODE) for n in names)) for number, names in found.items()}
+        return {number: names for number, names in found.items() if all(n.startswith(CODE) for n in names)}
 
     def _make_or_check(self, connection: sqlite3.Connection) -> None:
         """Make the tables in an empty file; refuse any other that is not a store of this layout."""
@@ -271,7 +263,11 @@ def context(problem: FootProblem) -> dict[str, Any]:
         "space": space,
         "record": plain(problem.record),
         # the files of a user's own objectives, effects, stepper and problem
-        "own": {o.__qualname__: hashlib.sha256(source_of(o)).hexdigest() for o in own if is_own(o)},
+        "own": {
+            f"{o.__module__}.{o.__qualname__}": hashlib.sha256(source_of(o)).hexdigest()
+            for o in own
+            if is_own(o)
+        },
         "versions": _versions(),
         "machine": target(),
     }

@@ -65,10 +65,25 @@ class TestPlugins:
         load_plugins([str(own)])
         problem = fo.FootProblem(objective="work_per_metre")
         before = context(problem)
-        assert "work_per_metre" in before["own"]
+        assert "own_objective.work_per_metre" in before["own"]
         own.write_text(text.replace('raw["work"] /', '2.0 * raw["work"] /'), encoding="utf-8")
         assert context(problem)["own"] != before["own"]
         assert context(fo.FootProblem())["own"] == {}
+
+    def test_a_store_knows_the_sources_of_two_plugins_whose_classes_have_one_name(self, tmp_path):
+        text = (CUSTOM / "effect.py").read_text(encoding="utf-8")
+        files = [tmp_path / f"{name}.py" for name in ("slab", "pan")]
+        for file in files:
+            file.write_text(text.replace('name="floor"', f'name="{file.stem}"'), encoding="utf-8")
+        load_plugins([*map(str, files)])
+        problem = fo.FootProblem(
+            fo.Scene(effects=(fo.effects.EFFECTS["slab"](), fo.effects.EFFECTS["pan"]()))
+        )
+        found = [context(problem)["own"]]
+        for file in files:
+            file.write_text(f"{file.read_text(encoding='utf-8')}# edited", encoding="utf-8")
+            found.append(context(problem)["own"])
+        assert found[0] != found[1] != found[2]
 
 
 @pytest.mark.slow

@@ -30,11 +30,11 @@ def dying(store, after, kept):
     """A store whose process dies with its so-manieth batch of walks, which are kept or lost."""
     add = store.add
 
-    def added(k, evaluations):
+    def added(*designs):
         nonlocal after
         after -= 1
         if after or kept:
-            add(k, evaluations)
+            add(*designs)
         if not after:
             raise Killed
 

@@ -13,10 +13,19 @@ from hypothesis import strategies as st
 from searching import QUICK, SMALL, assert_same, objective_of, problem, stop_after
 
 import footopt as fo
-from footopt.design import Evaluation, Store, search
+from footopt.design import Store, search
 from footopt.design import store as store_module
-from footopt.design.store import LAYOUT, context, digest
+from footopt.design.store import ERROR, LAYOUT, context, digest
 from footopt.errors import FileError
+
+BOTH = np.array([[1] * 5, [2] * 5])
+ONE = BOTH[:1]
+
+
+def keep(store, designs, reason=""):
+    """Keep designs with one number each in place of six values."""
+    values = np.repeat(np.array(list(designs.values()), float)[:, None], 6, axis=1)
+    store.add(np.array(list(designs)), values, np.array([reason] * len(designs)))
 
 
 @pytest.fixture
@@ -101,15 +110,16 @@ class TestStore:
     def test_what_is_kept_comes_back_to_the_last_bit(self, tmp_path_factory, designs):
         path = tmp_path_factory.getbasetemp() / "round_trip.sqlite"
         path.unlink(missing_ok=True)
-        k, kept = list(designs), [Evaluation(np.array(v), why) for v, why in designs.values()]
+        k, values = np.array(list(designs)), np.array([values for values, _ in designs.values()])
+        reasons = np.array([why for _, why in designs.values()], object)
         with Store(path, problem()) as store:
-            assert store.get(k) == [None] * len(k)
-            store.add(k, kept)
+            assert store.get(k)[1].tolist() == [ERROR] * len(k)
+            store.add(k, values, reasons)
         with Store(path, problem()) as store:
             found = store.get(k)
             assert len(store) == len(k)
-        for one, other in zip(found, kept, strict=True):
-            assert (one.values.tobytes(), one.reason) == (other.values.tobytes(), other.reason)
+        assert found[0].tobytes() == values.tobytes()
+        assert found[1].tolist() == reasons.tolist()
 
     def test_a_file_that_many_open_and_write_at_once_holds_what_all_wrote(self, path):
         count, failures, many = 12, [], dataclasses.replace(SMALL, K=20)
@@ -120,9 +130,7 @@ class TestStore:
                 together.wait()
                 with Store(path, problem(zeta=1.0 + i % 2, space=many)) as store:
                     for j in range(1, 6):
-                        store.add(
-                            [[i + 1, j, 1, 1, 1], [20] * 5], [Evaluation(np.full(6, float(i % 2)), "")] * 2
-                        )
+                        keep(store, {(i + 1, j, 1, 1, 1): i % 2, (20,) * 5: i % 2})
             except BaseException as error:
                 failures.append(error)
 
@@ -135,14 +143,13 @@ class TestStore:
         for i in range(2):
             with Store(path, problem(zeta=1.0 + i, space=many)) as store:
                 assert len(store) == count // 2 * 5 + 1
-                assert store.get([[20] * 5])[0].values.tolist() == [i] * 6
+                assert store.get(np.full((1, 5), 20))[0].tolist() == [[i] * 6]
 
     def test_an_error_is_replaced_by_a_walk_and_replaces_none(self, path):
-        good, error = Evaluation(np.ones(6), ""), Evaluation(np.full(6, np.nan), "error: died")
         with Store(path, problem()) as store:
-            for added in (error, good, error):
-                store.add([[1] * 5], [added])
-            assert store.get([[1] * 5])[0].reason == ""
+            for reason in ("error: died", "", "error: died"):
+                keep(store, {(1,) * 5: 1.0}, reason)
+            assert store.get(ONE)[1].tolist() == [""]
 
 
 class TestContext:
@@ -174,22 +181,23 @@ class TestContext:
 
     def test_designs_walked_by_other_code_are_used_only_when_asked_for_and_said(self, path, monkeypatch):
         with Store(path, problem()) as store:
-            store.add([[1] * 5, [2] * 5], [Evaluation(np.full(6, 1.0), "")] * 2)
+            keep(store, {(1,) * 5: 1.0, (2,) * 5: 1.0})
             assert store.foreign == []
         with Store(path, problem(zeta=1.0)) as store:
-            store.add([[1] * 5], [Evaluation(np.full(6, 3.0), "")])
+            keep(store, {(1,) * 5: 3.0})
         monkeypatch.setattr(store_module, "_versions", lambda: {"footopt": "another"})
         with Store(path, problem()) as store:
-            assert store.get([[1] * 5]) == [None]
+            assert store.get(ONE)[1].tolist() == [ERROR]
             assert "another here" in str(store.foreign)
+            assert "of other code are not used" in store.describe()
         with Store(path, problem(zeta=2.0), reuse=True) as store:  # other settings are never taken
-            assert (store.get([[1] * 5]), store.foreign) == ([None], [])
+            assert (store.get(ONE)[1].tolist(), store.foreign, store.describe()) == ([ERROR], [], "")
         with Store(path, problem(), reuse=True) as store:
-            assert [e.values[0] for e in store.get([[1] * 5, [2] * 5])] == [1.0, 1.0]
+            assert store.get(BOTH)[0][:, 0].tolist() == [1.0, 1.0]
             assert "of other code are used again" in store.describe()
-            store.add([[2] * 5], [Evaluation(np.full(6, 2.0), "")])
+            keep(store, {(2,) * 5: 2.0})
         with Store(path, problem(), reuse=True) as store:  # its own come first
-            assert [e.values[0] for e in store.get([[1] * 5, [2] * 5])] == [1.0, 2.0]
+            assert store.get(BOTH)[0][:, 0].tolist() == [1.0, 2.0]
 
 
 def sqlite_of_another_program(path):
