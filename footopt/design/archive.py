@@ -29,19 +29,8 @@ log = logging.getLogger("footopt")
 class Evaluator:
     """Recorded values and reasons of designs, each read from the store, or walked and kept there.
 
-    Parameters
-    ----------
-    problem : FootProblem
-        Whose designs they are.
-    store : Store, optional
-        Of the same problem; `ValueError` if it is of another one.
-    executor : Executor, optional
-        Of the workers that evaluate; by default this process.
-
-    Attributes
-    ----------
-    reused : int
-        Designs that were read. One whose walk has raised an exception is walked again.
+    The store is of the same problem, and the executor has the workers that walk; by default this process
+    does. `reused` counts designs that were read. One whose walk has raised an exception is walked again.
     """
 
     def __init__(
@@ -200,7 +189,6 @@ class Archive:
             problem=self.problem,
             solver=solver,
             **designs._replace(reasons=reasons)._asdict(),
-            feasible=self._good[:count],
             history=self.history[:generations],
             best=int(front[0]),
             front=front[:1] if self.problem.n_obj == 1 else front,

@@ -9,10 +9,9 @@ import numpy as np
 from footopt.arrays import Array, Ints, Words
 from footopt.design.archive import Designs, Evaluator
 from footopt.design.problem import FootProblem
-from footopt.design.result import Confirmation, SearchResult, confirm
+from footopt.design.result import Confirmation, SearchResult, confirm, largest_change
 from footopt.foot import Waypoints
 from footopt.walk.accuracy import AnyAccuracy
-from footopt.walk.objectives import relative_change
 
 MOST = 20_000  # soles of a neighbourhood: of a larger space only nearer ones are evaluated
 SAFETY = 2.0  # times the largest change between accuracies that was seen: closer designs are evaluated finely
@@ -82,23 +81,8 @@ def certified(
     Neighbours are evaluated at the accuracy of the search. Those that could be better at the finer one are
     evaluated at that, too, by how finalists change from one to the other; and more of them where the
     neighbours change by more. One that is better takes the design's place, and its neighbours are evaluated,
-    until none is.
-
-    Parameters
-    ----------
-    result : SearchResult
-        Of one objective.
-    accuracy, finalists
-        As in `footopt.design.confirm`.
-    evaluator : Evaluator
-        Evaluates designs, and keeps the results.
-    most : float
-        Evaluations for it, at most; if it would take more, it does not hold.
-
-    Returns
-    -------
-    result, confirmed, certificate
-        With the better designs that were found on the way.
+    until none is: it joins the result that is returned. If all this takes more than `most` evaluations, the
+    certificate does not hold.
     """
     problem, space = result.problem, result.problem.space
     searched, fresh, count, steps = {k.tobytes() for k in result.k}, set[bytes](), finalists, 0
@@ -118,7 +102,7 @@ def certified(
             while (close := (f <= least + margin * abs(least)) & ~walked).any():
                 finer[close] = _judged(problem, inside[close], *problem.at(accuracy).walk(inside[close]))
                 walked |= close
-                margin = max(margin, SAFETY * _largest(f[close], finer[close]))
+                margin = max(margin, SAFETY * largest_change(f[close], finer[close], none=0.0))
         if finer.min(initial=np.inf) >= problem.minimised(confirmed.values[:1])[0, 0]:
             break
         steps += 1
@@ -152,13 +136,7 @@ def _change(result: SearchResult, confirmed: Confirmation) -> float:
     """The largest relative change of a good finalist's objective between the two accuracies."""
     column = result.problem.record.index(result.problem.ranking_objective)
     before = result.values[confirmed.designs[confirmed.good], column]
-    return _largest(before, confirmed.values[confirmed.good, column])
-
-
-def _largest(before: Array, after: Array) -> float:
-    """The largest relative change of values, of those that are finite."""
-    change = np.abs(relative_change(after, before))
-    return float(change.max(initial=0.0, where=np.isfinite(change)))
+    return largest_change(before, confirmed.values[confirmed.good, column], none=0.0)
 
 
 def joined(result: SearchResult, k: Ints, values: Array, reasons: Words) -> SearchResult:
@@ -169,5 +147,5 @@ def joined(result: SearchResult, k: Ints, values: Array, reasons: Words) -> Sear
     old = Designs(*(getattr(result, name) for name in Designs._fields))
     new = Designs(k, values, reasons, problem.space.box_violation(k), result.generation[-1:])
     better = problem.scores(values)[0] < problem.scores(result.values[[result.best]])[0]
-    best, feasible = len(result.k) if better else result.best, np.append(result.feasible, True)
-    return replace(result, **old.joined(new)._asdict(), feasible=feasible, best=best, front=np.array([best]))
+    best = len(result.k) if better else result.best
+    return replace(result, **old.joined(new)._asdict(), best=best, front=np.array([best]))

@@ -134,14 +134,8 @@ class Choice:
     def scores(self, f: Array, values: Array, names: Sequence[str], record: Sequence[str]) -> Array:
         """How far designs are from the choice, (designs,): the least is chosen.
 
-        Parameters
-        ----------
-        f : (designs, objectives)
-            All minimised.
-        values : (designs, record)
-            Recorded values, natural signs.
-        names, record : sequence of str
-            Of the columns.
+        f (designs, objectives) are minimised and have the columns `names`; values (designs, record) have
+        their natural signs and the columns `record`.
         """
         if self.by == "efficiency":
             return np.asarray(values[:, list(record).index("efficiency")])

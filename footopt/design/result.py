@@ -66,8 +66,6 @@ class SearchResult:
         Heights; no design twice.
     values : (designs, record)
         Recorded values with their natural signs, NaN for a failed walk; columns are ``problem.record``.
-    feasible : (designs,)
-        Whether it walked, is inside its box and keeps the limits.
     reasons : (designs,)
         Why a walk failed ("error": it broke the program), or "box", or the limit that is not kept, or "".
     violation : (designs,), m
@@ -96,7 +94,6 @@ class SearchResult:
     solver: Solver
     k: Ints
     values: Array
-    feasible: Bools
     reasons: Words
     violation: Array
     generation: Ints
@@ -121,9 +118,9 @@ class SearchResult:
         return len(self.k)
 
     @property
-    def infeasible(self) -> int:
-        """How many of them failed or leave their box."""
-        return len(self.k) - int(self.feasible.sum())
+    def feasible(self) -> Bools:
+        """Which of them walk, are inside their box and keep the limits, (designs,)."""
+        return np.asarray(self.reasons == "")
 
     @property
     def X(self) -> Ints:
@@ -268,16 +265,20 @@ def confirm(result: SearchResult, accuracy: AnyAccuracy | str, finalists: int = 
     if good.any():
         scores[good] = problem.scores(values[good])
     order = np.argsort(scores, kind="stable")  # what is no longer good comes last
-    change = np.abs(relative_change(values, result.values[chosen]))
-    change = change[np.isfinite(change)]
     return Confirmation(
         designs=chosen[order],
         values=values[order],
         accuracy=accuracy,
         agrees=bool(chosen[order][0] == result.best),
-        largest_change=float(change.max()) if len(change) else math.nan,
+        largest_change=largest_change(result.values[chosen], values),
         good=good[order],
     )
+
+
+def largest_change(before: Array, after: Array, none: float = math.nan) -> float:
+    """The largest relative change of values, of those that are finite; `none` where there are none."""
+    change = np.abs(relative_change(after, before))
+    return float(change.max(initial=0.0, where=np.isfinite(change))) if np.isfinite(change).any() else none
 
 
 def check_finalists(finalists: int) -> None:

@@ -140,14 +140,8 @@ class Race(RobustProblem):
     """The worst case of each design, until it is worse than those of `KEPT` others.
 
     The scenario that has been the worst one most often comes first. A design that loses more in it than all
-    of the best ones anywhere is evaluated in no other: its values are those of the scenarios so far.
-
-    Parameters
-    ----------
-    scenarios, references
-        As in `RobustProblem`.
-    evaluators : sequence of Evaluator
-        Of each scenario alone; of the limits that on the ranking objective is left out.
+    of the best ones anywhere is evaluated in no other: its values are those of the scenarios so far. The
+    `evaluators` are those of each scenario alone; a limit of theirs on the ranking objective is left out.
     """
 
     def __init__(
@@ -182,22 +176,11 @@ class Race(RobustProblem):
 
 
 def risk(values: Array, measure: str, tail: float) -> Array:
-    """A risk measure over equally probable scenarios of values to be minimised.
+    """One of `RISK_MEASURES`, (...), of values (scenarios, ...) that are minimised, each as probable.
 
-    Parameters
-    ----------
-    values : (scenarios, ...)
-        To be minimised; by "worst" NaN in some is left out.
-    measure : str
-        In `RISK_MEASURES`.
-    tail : float
-        The share of the scenarios that "tail" averages over, the worst ones: the conditional value at
-        risk (Rockafellar & Uryasev 2000), with a part of a scenario where the tail ends inside it.
-
-    Returns
-    -------
-    (...)
-        Of each value over all scenarios.
+    "tail" averages over that share of the scenarios, the worst ones: the conditional value at risk
+    (Rockafellar & Uryasev 2000), with a part of a scenario where the tail ends inside it. "worst" leaves out
+    NaN.
     """
     share = {"mean": 1.0, "tail": tail, "worst": 0.0}[measure]
     scenarios = max(share * len(values), 1.0)

@@ -110,13 +110,7 @@ def search(
 
 @dataclass(frozen=True)
 class OfPymoo(Solver):
-    """An algorithm of pymoo as a solver, of the name of its class.
-
-    Parameters
-    ----------
-    algorithm : pymoo.core.algorithm.Algorithm
-        A copy of it searches.
-    """
+    """An algorithm of pymoo as a solver, of the name of its class; a copy of it searches."""
 
     algorithm: Any = None
 
@@ -124,7 +118,7 @@ class OfPymoo(Solver):
         """Any name: it is not looked up."""
 
     def build(self, n_obj: int) -> Any:
-        """A copy of the algorithm."""
+        """The copy."""
         return copy.deepcopy(self.algorithm)
 
 

@@ -52,14 +52,6 @@ INSERT INTO design VALUES (?, ?, ?, ?) ON CONFLICT (context, k) DO UPDATE
 SET record = excluded.record, reason = excluded.reason WHERE reason LIKE '{ERROR}%'
 """
 
-#: Meaning and remedy of some of SQLite's errors, by their primary code.
-MEANING = {
-    sqlite3.SQLITE_NOTADB: ("is not a store of footopt", "Choose another study.store."),
-    sqlite3.SQLITE_CORRUPT: ("is damaged", "Move it away, or choose another study.store."),
-    sqlite3.SQLITE_BUSY: (f"has been locked for {PATIENCE:g} s", "Does another program hold it?"),
-}
-UNUSABLE = ("cannot be used", "Choose a study.store in a folder that can be written and has room.")
-
 
 class Store:
     """The evaluations of one problem in an SQLite file that other problems and processes may share.
@@ -177,13 +169,9 @@ class Store:
                 connection.execute(f"PRAGMA application_id = {APPLICATION}")
                 connection.execute(f"PRAGMA user_version = {LAYOUT}")
             elif application != APPLICATION:
-                raise self._error(*MEANING[sqlite3.SQLITE_NOTADB], "SQLite file of another program")
+                raise self._error("it is an SQLite file of another program")
             elif layout != LAYOUT:
-                raise self._error(
-                    "was made by another version of footopt",
-                    "Use that version, or choose another study.store.",
-                    f"its layout is {layout}, this version's {LAYOUT}",
-                )
+                raise self._error(f"of another version of footopt: its layout is {layout}, not {LAYOUT}")
         _log_ahead(connection)
 
     def _enter(self, connection: sqlite3.Connection) -> int:
@@ -213,11 +201,11 @@ class Store:
         except sqlite3.ProgrammingError:  # a store that has been closed
             raise
         except sqlite3.Error as error:
-            meaning = MEANING.get(getattr(error, "sqlite_errorcode", 0) & 0xFF, UNUSABLE)
-            raise self._error(*meaning, str(error)) from None
+            raise self._error(str(error)) from None
 
-    def _error(self, what: str, hint: str, detail: str) -> FileError:
-        return FileError(f"{named(self.path, 'study.store')}: {what} ({detail}). {hint}")
+    def _error(self, why: str) -> FileError:
+        hint = "Choose another study.store, in a folder that can be written and has room."
+        return FileError(f"{named(self.path, 'study.store')}: cannot be used ({why}). {hint}")
 
 
 def _log_ahead(connection: sqlite3.Connection) -> None:

@@ -157,22 +157,6 @@ def candidates(
     the laws before it and from those of the search; then, from the best sole of each law, all together with
     twice as many soles (`Race`). They walk no finer than `draft`: what is found is to be evaluated
     again. A law under which no foot walks is left out.
-
-    Parameters
-    ----------
-    result : SearchResult
-        Of one objective, with the scene's own law.
-    laws : tuple of Scenario
-        From `possible_laws`.
-    share : float
-        Of the evaluations of `result`.
-    store, executor
-        As in `under_laws`.
-
-    Raises
-    ------
-    KeyboardInterrupt
-        It was interrupted.
     """
     problem, start, name = result.problem, result.k[result.leaders(FIRST)], result.problem.ranking_objective
     numbers = numerics(drafted(problem.accuracy), problem.scene, problem.space)

@@ -200,13 +200,14 @@ def describe_search(result: SearchResult) -> str:
     from footopt.design.archive import causes  # a foot is drawn without the optimiser
 
     reused = f", {result.reused} of them known" if result.reused else ""
-    why = f" ({causes(result.failures)})" if result.infeasible else ""
+    lost = result.failures
+    why = f" ({causes(lost)})" if lost else ""
     shown = f" ({len(result.shown)} of them shown)" if len(result.shown) < len(result.front) else ""
     front = f", {len(result.front)} on the front{shown}" if result.problem.n_obj > 1 else ""
     ended = " (interrupted)" if result.interrupted else f" (stopped {result.stopped})" * bool(result.stopped)
     return (
         f"{result.solver.name}, seed {result.solver.seed}: {result.evaluations} evaluations of "
-        f"{result.designs} designs{reused} in {result.seconds:.1f} s, {result.infeasible} infeasible{why}"
+        f"{result.designs} designs{reused} in {result.seconds:.1f} s, {sum(lost.values())} infeasible{why}"
         f"{front}{ended}"
     )
 

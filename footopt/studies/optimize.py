@@ -277,7 +277,7 @@ def _search_entry(result: SearchResult, confirmed: Confirmation, finalists: int)
         "evaluations": result.evaluations,
         "designs": result.designs,
         "reused": result.reused,
-        "infeasible": result.infeasible,
+        "infeasible": sum(result.failures.values()),
         "reasons": result.failures,
         "front": result.k[front].tolist(),
         "front_values": confirmed.values[confirmed.good] if several else [],

@@ -19,13 +19,7 @@ def batches(n: int, K: int, size: int) -> Iterator[Ints]:
 
 
 class Exhaustive(Algorithm):
-    """Ask for every design that is inside its box, in order.
-
-    Parameters
-    ----------
-    pop_size : int
-        Designs a generation, at most: those of so many rows that are inside their box.
-    """
+    """Ask for every design that is inside its box, in order; a generation are those of `pop_size` rows."""
 
     def __init__(self, pop_size: int, **kwargs: Any) -> None:
         super().__init__(**kwargs)

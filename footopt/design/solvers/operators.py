@@ -10,14 +10,13 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from pymoo.algorithms.moo.age2 import AGEMOEA2Survival
 from pymoo.core.duplicate import DuplicateElimination
 from pymoo.operators.crossover.sbx import SBX
 from pymoo.operators.mutation.pm import PM
 from pymoo.operators.repair.rounding import RoundingRepair
 from pymoo.operators.sampling.rnd import IntegerRandomSampling
 
-from footopt.arrays import Array, Bools, Ints
+from footopt.arrays import Array, Bools
 from footopt.design.solvers.moves import ExchangeRun, OnlyNew, RandomInside, ShiftRun
 from footopt.errors import check
 
@@ -40,25 +39,6 @@ class SameHeights(DuplicateElimination):
 
     def _rows(self, pop: Any) -> list[bytes]:
         return [row.tobytes() for row in np.round(self.func(pop).astype(float)).astype(np.int64)]
-
-
-class Geometry(AGEMOEA2Survival):
-    """AGE-MOEA-II's survival without numba, by which pymoo compiles it in every process, for 9 s."""
-
-    @staticmethod
-    def pairwise_distances(front: Array, p: float) -> Array:
-        """Along the manifold, which halves the way where it is curved, (designs, designs)."""
-
-        def projected(points: Array) -> Array:
-            size = np.sum(np.maximum(points, 0.0) ** p, axis=-1, keepdims=True) ** (1.0 / p)
-            return np.asarray(points / size)
-
-        on = projected(front)
-        a, b = on[:, None], on[None]
-        if 0.95 < p < 1.05:
-            return np.asarray(np.linalg.norm(a - b, axis=-1))
-        middle = projected(0.5 * (a + b))
-        return np.asarray(np.linalg.norm(a - middle, axis=-1) + np.linalg.norm(middle - b, axis=-1))
 
 
 def operators(
@@ -112,16 +92,3 @@ def reference_directions(n_obj: int, count: int) -> Array:
 
     directions: Array = get_reference_directions("energy", n_obj, count, seed=1)
     return directions
-
-
-def less_violation(pop: Any, pairs: Ints, random_state: Any = None, **kwargs: Any) -> Any:
-    """Winner of each pair: the smaller constraint violation, a tie by the run's own random state.
-
-    pymoo's own comparison for NSGA-III draws ties from a generator of its own, so that equal seeds
-    gave different results.
-    """
-    cv = pop.get("CV")[:, 0]
-    first, second = cv[pairs[:, 0]], cv[pairs[:, 1]]
-    coin = random_state.integers(0, 2, len(pairs)).astype(bool)
-    take_second = np.where(first == second, coin, second < first)
-    return np.where(take_second, pairs[:, 1], pairs[:, 0])[:, None].astype(int)
