@@ -121,7 +121,7 @@ function designSection() {
     if (typeof data.printed !== "number") return "";
     const { worst_loss: loss, worst_loss_of_best: other } = entry.to_print, own = data.printed === data.best;
     const here = own || chosen === data.printed, show = el("button", { type: "button", id: "show-printed", click: () => choose(data.printed) }, "Show it");
-    return chosen === data.best || here ? el("p", { id: "to-print" }, el("strong", {}, here ? "Print this sole." : "Print the robust sole."),
+    return chosen === data.best || here ? el("p", { id: "to-print" }, el("strong", {}, here ? "Print this sole." : "Print the robust sole"), ...(here ? [] : [" (", el("a", { href: "to_print.stl" }, "STL"), ")."]),
       ` It loses at most ${percent(loss)} to the best one known under each law of sand`, own ? ". " : `; the best one by the run's own law loses ${percent(other)}. `, here ? "" : show) : "";
   }
   function redraw() {
@@ -168,7 +168,8 @@ function glance() {
     section.replaceChildren(el("h3", {}, label(i)), entry.flat ? gain(i) : "", el("figure", {}, soleDrawing(sole(i), { width: widthOf(section), height: 90, plain: true,
       top: own("top", i), colour: colourOf(i), ghost: data.walks && flatWalk()?.points })),
     i === data.best ? "" : scrolled("Values of the chosen design", valueTable(i)),
-    el("p", {}, el("a", { href: "#design" }, "the whole answer"), ", ", el("a", { href: "#walk" }, "its walk")));
+    heights(i) ? el("p", { class: "note" }, `k = [${heights(i).join(",")}]`) : "",
+    el("p", {}, el("a", { href: "#design" }, "the whole answer"), ", ", el("a", { href: "#walk" }, "its walk"), ...(i === data.best ? [", ", el("a", { href: "contour.stl" }, "its STL")] : [])));
   };
   return { section, show };
 }

@@ -85,7 +85,7 @@ def search_content(
         **_common(entry, best, problem.record, problem.accuracy, problem.space),
         "title": f"{kind} for {place(best.world)}",
         "headline": [
-            f"Soles for {', '.join(map(title, problem.names))} on {describe_scene(problem.scene)}",
+            f"Designed for {', '.join(map(title, problem.names))} on {describe_scene(problem.scene)}",
             search,
             describe_confirmation(confirmed),
             *([certificate["says"]] if certificate else []),
