@@ -110,12 +110,7 @@ def parting(walks: Walks) -> float:
     """The largest rms distance of a shape's V_z(t) from their mean, over the rms of the mean."""
     curves = np.array([walks[name]["vertical_velocity"] for name in SHAPES])
     middle = curves.mean(axis=0)
-    return float(rms(curves - middle).max() / rms(middle))
-
-
-def rms(curves: Array) -> Array:
-    """Root mean square over time."""
-    return np.asarray(np.sqrt(np.mean(curves**2, axis=-1)))
+    return float(np.sqrt(np.mean((curves - middle) ** 2, axis=1)).max() / np.sqrt(np.mean(middle**2)))
 
 
 def margin(
