@@ -116,7 +116,7 @@ def parting(walks: Walks) -> float:
 def margin(
     walks: Walks, of: Names, numbers: Names, above: Names = (), below: Names = (), scale: float = 1.0
 ) -> float:
-    """How far numbers of walks are above, or below, those of others or limits, where that is least."""
+    """How far numbers of the walks `of` are above, or below, those of others or a limit, at the least."""
 
     def values(names: Names, number: str) -> Array:
         found = [walks[name][number] if name in walks else LIMITS.get(name, name) for name in names]
@@ -125,7 +125,7 @@ def margin(
     return scale * float(np.min([values(of, n).min() - values(above or below, n).max() for n in numbers]))
 
 
-#: The words of each claim by its name, and what it measures.
+#: Each claim in words, by its name; its margin is in `MEASURES`.
 CLAIMS: dict[str, dict[str, Any]] = tomllib.loads(
     files(__package__).joinpath("claims.toml").read_text(encoding="utf-8")
 )
@@ -141,4 +141,4 @@ def measure(walks: Mapping[str, Walk], speed_loss: str) -> dict[str, float]:
     found = {name: numbers(walk, speed_loss) for name, walk in walks.items()}
     with np.errstate(invalid="ignore"):
         found["shapes"] = {"parting": parting(found)}
-        return {name: margin(found) for name, margin in MEASURES.items()}
+        return {name: measured(found) for name, measured in MEASURES.items()}
