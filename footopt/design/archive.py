@@ -102,75 +102,59 @@ class Archive:
         self.history: list[Generation] = []
         k, values = np.empty((0, problem.space.n), np.int64), np.empty((0, len(problem.record)))
         self.designs = Designs(k, values, np.empty(0, np.str_), np.empty(0), np.empty(0, np.int64))
-        self._good = np.empty(0, np.bool_)  # which are feasible
+        # of these, minimised objectives and constraints
+        self._f, self._g = np.empty((0, problem.n_obj)), np.empty((0, problem.n_ieq_constr))
         self.known = Known()  # where a design is in `designs`
         self._latest = np.empty(0, np.int64)
-        self._column = problem.record.index(problem.ranking_objective)
-        self._sign = MEASURES[problem.ranking_objective].sign
         self._box: tuple[Array, Array] | None = None  # worst values and ranges that volumes are measured by
         self._hypervolume = Volume()
         # at the end of a generation: generations, designs, and the front, what an interrupted search reports
         self._closed = (0, 0, np.empty(0, np.int64))
-        self._best = np.empty((0, problem.n_obj))  # objectives of that front, minimised
-
-    @property
-    def count(self) -> int:
-        """How many designs there are."""
-        return len(self.designs.k)
 
     def first(self, k: Ints, most: float) -> int:
         """How many of designs, from the first, there can be with at most so many different ones in all."""
-        fresh, room = self.known.fresh(k), most - self.count
+        fresh, room = self.known.fresh(k), most - len(self.known)
         return len(k) if len(fresh) <= room else int(fresh[int(room)])
 
     def evaluate(self, k: Ints) -> tuple[Array, Array]:
         """F and G of a generation, (designs, ...); designs seen before are not walked again."""
-        new = k[self.known.fresh(k)]
+        new, problem = k[self.known.fresh(k)], self.problem
         if len(new):
             values, reasons = self._walk(new)
             self.known.add(new)
-            generation = np.full(len(new), len(self.history) + 1)
-            added = Designs(new, values, reasons, self.problem.space.box_violation(new), generation)
-            self.designs = self.designs.joined(added)
-            good = self.problem.feasible(added.values, added.reasons, added.violation)
-            self._good = np.append(self._good, good)
+            violation, generation = problem.space.box_violation(new), np.full(len(new), len(self.history) + 1)
+            self.designs = self.designs.joined(Designs(new, values, reasons, violation, generation))
+            self._f = np.concatenate([self._f, problem.minimised(values)])
+            self._g = np.concatenate([self._g, problem.constraints(values, reasons, violation)])
         self._latest = self.known.places(k)
-        latest = self.designs.take(self._latest)
-        constraints = self.problem.constraints(latest.values, latest.reasons, latest.violation)
-        return self.problem.minimised(latest.values), constraints
+        return self._f[self._latest], self._g[self._latest]
 
     def close_generation(self, seconds: float) -> None:
         """Write the generation into the history."""
-        front = self._front()
-        one = self.problem.n_obj == 1
-        latest = self._scores(self._latest[self._good[self._latest]])
+        front, one, sign = self._front(), self.problem.n_obj == 1, self.problem.objectives[0].sign
+        latest = self._latest[(self._g[self._latest] <= 0.0).all(axis=1)]
         self.history.append(
             Generation(
                 generation=len(self.history) + 1,
                 evaluations=len(self._latest) + (self.history[-1].evaluations if self.history else 0),
-                best=float(self._sign * self._scores(front).min()) if one and len(front) else math.nan,
-                median=float(self._sign * np.median(latest)) if one and len(latest) else math.nan,
+                best=float(sign * self._f[front].min()) if one and len(front) else math.nan,
+                median=float(sign * np.median(self._f[latest])) if one and len(latest) else math.nan,
                 front=len(front),
                 seconds=seconds,
-                hypervolume=math.nan if one else self._volume(),
+                hypervolume=math.nan if one else self._volume(front),
             )
         )
-        self._closed = (len(self.history), self.count, front)
+        self._closed = (len(self.history), len(self.known), front)
 
-    def _scores(self, places: Ints) -> Array:
-        """The ranking objective of some designs, minimised."""
-        return np.asarray(self._sign * self.designs.values[places, self._column])
-
-    def _volume(self) -> float:
+    def _volume(self, front: Ints) -> float:
         """Hypervolume of the front, in units of the box of what the first generation walked."""
         if self._box is None:
-            f = self.problem.minimised(self.designs.values[self.designs.reasons == ""])
-            if len(f) and (np.ptp(f, axis=0) > 0.0).all():
-                self._box = f.max(axis=0), np.ptp(f, axis=0)
-        if self._box is None:
-            return math.nan
+            f = self._f[self.designs.reasons == ""]
+            if not len(f) or (np.ptp(f, axis=0) == 0.0).any():
+                return math.nan
+            self._box = f.max(axis=0), np.ptp(f, axis=0)
         worst, span = self._box
-        return self._hypervolume((self._best - worst) / span)
+        return self._hypervolume((self._f[front] - worst) / span)
 
     def result(self, solver: Solver, seconds: float, interrupted: bool, reused: int) -> SearchResult:
         """Everything that was evaluated up to the last finished generation, and the best of it."""
@@ -201,10 +185,7 @@ class Archive:
     def _front(self) -> Ints:
         """The non-dominated of the last front and the newest feasible designs."""
         _, count, front = self._closed
-        new = count + np.flatnonzero(self._good[count:])
+        new = count + np.flatnonzero((self._g[count:] <= 0.0).all(axis=1))
         if not len(new):
             return front
-        f = self.problem.minimised(self.designs.values[new])
-        on_front = extended(self._best, f)
-        self._best = np.concatenate([self._best, f])[on_front]
-        return np.concatenate([front, new])[on_front]
+        return np.concatenate([front, new])[extended(self._f[front], self._f[new])]

@@ -99,12 +99,7 @@ class RobustProblem(FootProblem):
     @property
     def conditions(self) -> dict[str, Any]:
         """The scenarios, and how values in them become one: a store keeps it with the designs."""
-        return {
-            "scenarios": self.scenarios,
-            "measure": self.measure,
-            "tail": self.tail,
-            "references": self.references,
-        }
+        return {name: getattr(self, name) for name in ("scenarios", "measure", "tail", "references")}
 
     def walk_each(self, k: Ints) -> tuple[Array, Words]:
         """Values in every scenario, (scenarios, designs, record), and the reasons of failed walks."""

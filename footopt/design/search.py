@@ -148,7 +148,7 @@ def _line(g: Generation) -> None:
 def _ask_and_tell(archive: Archive, algorithm: Any, solver: Solver, progress: Any, most: float) -> str:
     """Ask for a generation, walk what is new of it, tell the algorithm, and so on; why that was stopped."""
     began = time.perf_counter()
-    while archive.count < most:
+    while len(archive.known) < most:
         proposed = algorithm.ask() if algorithm.has_next() else None
         if proposed is None:
             end = algorithm.termination  # or it has found nothing new

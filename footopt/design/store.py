@@ -82,9 +82,10 @@ class Store:
     def __init__(self, path: str | Path, problem: FootProblem, reuse: bool = False) -> None:
         self.path, self.problem = Path(path), problem
         self._context = context(problem)
-        self._connection: sqlite3.Connection | None = None
-        with self._explained():
+        try:
             self._connection = sqlite3.connect(self.path, timeout=PATIENCE, isolation_level=None)
+        except sqlite3.Error as error:
+            raise self._error(error) from None
         try:
             with self._explained() as connection:
                 self._make_or_check(connection)
@@ -104,8 +105,7 @@ class Store:
 
     def close(self) -> None:
         """Let go of the file."""
-        if self._connection is not None:
-            self._connection.close()
+        self._connection.close()
 
     def __len__(self) -> int:
         """Designs of this problem."""
@@ -158,11 +158,8 @@ class Store:
     def _make_or_check(self, connection: sqlite3.Connection) -> None:
         """Make the tables in an empty file; refuse any other that is not a store of this layout."""
         with _transaction(connection):
-            application, layout = (
-                connection.execute(f"PRAGMA {name}").fetchone()[0]
-                for name in ("application_id", "user_version")
-            )
-            tables = connection.execute("SELECT COUNT(*) FROM sqlite_master").fetchone()[0]
+            queries = "PRAGMA application_id", "PRAGMA user_version", "SELECT COUNT(*) FROM sqlite_master"
+            application, layout, tables = (connection.execute(one).fetchone()[0] for one in queries)
             if (application, layout, tables) == (0, 0, 0):
                 for statement in TABLES.split(";"):
                     connection.execute(statement)
@@ -197,13 +194,13 @@ class Store:
     def _explained(self) -> Iterator[sqlite3.Connection]:
         """The connection; SQLite's errors in the user's terms."""
         try:
-            yield self._connection  # type: ignore[misc]
+            yield self._connection
         except sqlite3.ProgrammingError:  # a store that has been closed
             raise
         except sqlite3.Error as error:
-            raise self._error(str(error)) from None
+            raise self._error(error) from None
 
-    def _error(self, why: str) -> FileError:
+    def _error(self, why: object) -> FileError:
         hint = "Choose another study.store, in a folder that can be written and has room."
         return FileError(f"{named(self.path, 'study.store')}: cannot be used ({why}). {hint}")
 

@@ -97,7 +97,7 @@ def run(study: Study) -> Any:
     study.close("print contour.stl" if laws.to_print is None else "print to_print.stl")
     if result.interrupted:
         done, every = len(result.history), solver.generations(problem.space)
-        raise KeyboardInterrupt(f"after {solver.unit} {done} of {every}, with a full report")
+        raise KeyboardInterrupt(f"after generation {done} of {every}, with a full report")
     return values
 
 
@@ -226,7 +226,7 @@ def _search(
         study.say(*_describe_ladder(problem))
         if known := store.describe():
             study.say(known)
-        with study.progress(solver.generations(space), solver.unit) as step:
+        with study.progress(solver.generations(space), "generation") as step:
             first = problem.names[0]
             tell = report_generations(step, first, base=base if first == "efficiency" else None)
             start = _start(study.options.start, space)

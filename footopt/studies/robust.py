@@ -45,7 +45,7 @@ def run(study: Study) -> None:
     )  # fmt: skip
     k = []  # heights of the specialists, the robust foot
     units = solver.generations(problem.space) * 2 * len(scenarios)
-    with study.executor() as executor, study.progress(units, solver.unit) as step:
+    with study.executor() as executor, study.progress(units, "generation") as step:
         for s in scenarios:
             space = s.space(problem.space)
             alone = FootProblem(s.scene, problem.names, space, problem.accuracy, problem.threads)

@@ -103,7 +103,7 @@ def _compared(study: Study, sand: Sand, sides: tuple[Side, Side], by: str, solve
     for side in sides:
         problem = FootProblem(side.simulator, by, space, side.accuracy, threads)
         asked, name = replace(solver, walks=side.walks), f"{problem.scene.title}, {side.name}"
-        with study.executor() as executor, study.progress(asked.generations(space), asked.unit) as step:
+        with study.executor() as executor, study.progress(asked.generations(space), "generation") as step:
             result, confirmed = searched(study, problem, asked, name, side.finer, executor, step)
         best = result.k[confirmed.designs[0]].tolist()
         feet[side.name] = replace(Foot.from_waypoints(best, space), name=side.name)

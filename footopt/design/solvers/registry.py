@@ -124,11 +124,6 @@ class Solver:
             yield (size := grown(proposed) if grows else self.size)
             proposed += size
 
-    @property
-    def unit(self) -> str:
-        """The name of what it proposes at once."""
-        return "batch" if self.name == EXHAUSTIVE else "generation"
-
     def generations(self, space: Waypoints) -> int:
         """How many generations there will be at most; for the exhaustive solver, batches of the space."""
         if self.name == EXHAUSTIVE:
