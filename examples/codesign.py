@@ -113,5 +113,7 @@ if __name__ == "__main__":
     problem = FootAndGait(scene, fo.Waypoints(), "standard", (1.0 - SLACK) * reached)
     found = together(problem, alone.k[alone.best], generations)
     k, after = found.X[:11].tolist(), float(found.F[0])
-    print(f"{sand} sand, J_W: the foot alone {before:.3g}, together {after:.3g} ({after / before - 1:+.0%})")
+    print(f"{sand} sand, J_W: the foot alone {before:.3g}, together {after:.3g} (x {after / before:.2f})")
     print(f"k = {k}", *(f"{n} {v:.3g}" for n, v in genes(found.X[11:], 10).items()), sep=", ")
+    if generations < 40:
+        print(f"Only {100 * generations} evaluations of each search: more generations may change the answer.")
