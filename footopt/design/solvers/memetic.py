@@ -30,6 +30,7 @@ REMEMBERED = 10_000  # parents of several objectives, at most
 WORSE = 1e100  # than any value, for a model of ranks: an infeasible design, the more it violates
 FEW = 100  # parents of several objectives
 ENDS = 0.2  # share of a generation that goes for the best by one of several objectives alone
+WATCHED, STALLED = 500, 0.05  # a front stalls if of so many designs a smaller share is on it
 FREE = 2 / 3  # share of their children that no model chooses, of a front up to FEW
 
 
@@ -51,6 +52,7 @@ class Moves(Algorithm):
         self.model: RankModel | None = None
         self.pool: Pool  # the population
         self.front: Pool  # and what no other dominates; of one objective the best
+        self.every: Pool  # of several, the same of all populations
 
     def _setup(self, problem: Any, **kwargs: Any) -> None:
         self.proposed = Known()
@@ -145,7 +147,7 @@ class Moves(Algorithm):
         return np.asarray(self.pool.X[self.random_state.integers(len(self.pop), size=count)])
 
     def _initialize_advance(self, infills: Any = None, told: Any = None, **kwargs: Any) -> None:
-        self.pool = self.front = told.take(slice(0))
+        self.pool = self.front = self.every = told.take(slice(0))
         self._advance(infills, told=told)
 
     def advance(self, infills: Any = None, **kwargs: Any) -> Any:
@@ -212,20 +214,22 @@ class Archive(Moves):
 
     The others of `FEW` parents, or of a larger front those, are whom NSGA-II would let survive (Deb et al.
     2002). A model does not see where a rugged front goes on: of a small one it chooses the fewer children.
+    A front that stalls may be a local one: another population begins without knowing it, and goes on
+    with both fronts once its own stalls.
     """
 
     def __init__(self, pop_size: int | None = None, **kwargs: Any) -> None:
         super().__init__(pop_size, **kwargs)
-        self.alone: list[Memetic] = []  # searches of one objective each
-        self.turn, self.sought = 0, 0  # whose turn it is; how many first designs are theirs
+        self.before: Memory  # what the populations before have evaluated
+        self.seen, self.added = 0, 0  # designs since the last look at the front, and those of them on it
 
     def _advance(self, infills: Any = None, told: Any = None, **kwargs: Any) -> None:
-        if self.sought:
-            first = told.take(slice(self.sought))
-            self.alone[self.turn]._advance(told=first._replace(F=first.F[:, [self.turn]]))
-        self.front = self.front.front_with(told)
+        alone = self.every is self.front
+        self.front, added = self.front.front_with(told)
         if len(self.front.X) > REMEMBERED:
             self.front = self._least_crowded(REMEMBERED // 2)
+        self.every = self.front if alone else self.every.front_with(told)[0]
+        self.seen, self.added = self.seen + len(told.X), self.added + added
         self._go_on_with(self._least_crowded(FEW) if len(self.front.X) > FEW else self._survivors(told))
 
     def _survivors(self, told: Pool) -> Pool:
@@ -246,14 +250,17 @@ class Archive(Moves):
         return self.front.take(randomized_argsort(crowding, order="descending", **draw)[:most])
 
     def _set_optimum(self) -> None:
-        self.opt = self.front.pop
+        self.opt = self.every.pop
 
     def _propose(self, size: int) -> Ints:
         """A part for the ends of the front; of a small one in a quarter the neighbours of most promise."""
-        self.sought = 0
+        if self.seen >= WATCHED:
+            stalled, self.seen, self.added = self.added < STALLED * self.seen, 0, 0
+            if stalled and len(drawn := self._restart(size)):
+                return drawn
         if self.memory.told < LEARNT:
             return super()._propose(size)
-        ends = (self._ends if self.problem.n_obj > 2 else self._sought)(int(ENDS * size))
+        ends = self._ends(int(ENDS * size))
         X = self.front.X
         if len(X) > FEW:
             return ends
@@ -274,23 +281,18 @@ class Archive(Moves):
         order = np.argsort(self._expected(children)[0][:, by], kind="stable")
         return self._new(children[order[:count]])
 
-    def _sought(self, count: int) -> Ints:
-        """Proposals of a search for the best by one of two objectives alone, each in turn."""
-        self.alone = self.alone or [self._begun(by) for by in range(self.problem.n_obj)]
-        self.turn = by = (self.turn + 1) % len(self.alone)
-        self.alone[by].memory = self.memory._replace(F=self.memory.F[:, [by]])
-        self.alone[by].model = None
-        found = self.alone[by]._found(max(count, 1))
-        self.sought = len(found)
-        return found
-
-    def _begun(self, by: int) -> Memetic:
-        """A search for the best by one objective, from the best by it so far."""
-        alone, best = Memetic(), self.memory.best(by, PARENTS)
-        alone.problem, alone.random_state, alone.proposed = self.problem, self.random_state, self.proposed
-        X, F = self.memory.X[best], self.memory.F[best][:, [by]]
-        alone._go_on_with(Pool(Population.new(X=X), X, F, np.zeros(len(X))))
-        return alone
+    def _restart(self, size: int) -> Ints:
+        """Random designs of another population; where there is one, both go on together instead."""
+        if self.every is not self.front:
+            self.front, self.memory = self.every, self.before.joined(self.memory.X, self.memory.F)
+            self._go_on_with(self.front)
+            return super()._propose(size)
+        drawn = self._drawn(size)
+        if len(drawn) == size:
+            self.before, self.memory = self.memory, Memory(self.memory.X[:0], self.memory.F[:0])
+            self.front = self.front.take(slice(0))
+            self._go_on_with(self.front)
+        return drawn
 
     def _screened(self, X: Ints, count: int) -> Ints:
         free = int(FREE * count) if len(self.front.X) <= FEW else 0

@@ -40,9 +40,10 @@ class Pool(NamedTuple):
         """Places for one objective, best first: the feasible, then the least violation."""
         return np.lexsort((self.F[:, 0], np.maximum(self.violation, 0.0)))
 
-    def front_with(self, new: Pool) -> Pool:
-        """A front and what others add to it; without a feasible design it is of those of least violation."""
+    def front_with(self, new: Pool) -> tuple[Pool, int]:
+        """A front and what others add to it, and how many; without a feasible design, of least violation."""
         every = self.joined(new)
         rows = np.flatnonzero(every.violation <= max(every.violation.min(), 0.0))
         old, F = np.count_nonzero(rows < len(self.X)), every.F[rows]
-        return every.take(rows[extended(F[:old], F[old:])])
+        kept = rows[extended(F[:old], F[old:])]
+        return every.take(kept), int((kept >= len(self.X)).sum())
