@@ -4,6 +4,9 @@ A foot may turn over within a stage. Then the direction of its motion is the unk
 over which a plate turns its direction over, the slope of h does not show the way back. There w takes the
 place of the velocity, v = n w / sqrt(1 - |w|^2): many n of velocity are less than 2 of w, and the gate of an
 effect, a jump in the velocity, opens over much of the unit disc.
+
+A foot that slides may meet such a jump, too, where it moves along one of its plates. The residual may have a
+smallest value there that is none of its roots: these are on either side, a whole step away.
 """
 
 from typing import NamedTuple
@@ -17,8 +20,8 @@ from footopt.walk.state import ALOFT, NO_FOOT, Contact, Force, Motion, Turning, 
 
 NEWTON = 0.03  # last step of Newton's method over the plates' mean speed; the forces' error is the square
 STICKING = 1e-3  # the same where bristles hold plates: the law is bent where they begin to slide
-MAX_NEWTON = 100  # contact evaluations of one implicit stage
-HALVINGS = 16  # of a step of Newton's method, before the stage is left unsolved
+MAX_NEWTON = 200  # contact evaluations of one implicit stage, before it is left unsolved
+SHORTEST = 2.0**-16  # part of a step of Newton's method
 INSIDE = 0.999  # |w| at most; beyond it a foot slides, and steps are those of the velocity
 SMOOTH_STEP = 2.0  # largest last step over the turning speed, where a foot turns over or an effect has a gate
 
@@ -33,7 +36,8 @@ def solve_stage(world, sole, poses, start, c, vx, vz, h0, turning, counts):
 
     Where a step makes the residual larger, a foot has turned its direction of motion over. Newton's method
     goes on half-way in that foot's direction w, and its steps are those of w, halved until they make the
-    residual smaller.
+    residual smaller. Beside a gate the next step is at most twice as long as such a part. Where the shortest
+    does not help, Newton's method begins again a whole step away, on one side and on the other in turn.
 
     start: r0, m, and v0, m/s. c: the stage's coefficient times the time step, s. vx, vz: the guess, m/s.
     h0: bristles before it, or None. turning: of the stage before. The others are as in `contact`. Returns the
@@ -43,30 +47,33 @@ def solve_stage(world, sole, poses, start, c, vx, vz, h0, turning, counts):
     turning_speed = turning_speed_of(world.bristle_length, world, c)
     hip = Motion(start.x + c * vx, start.z + c * vz, vx, vz)
     plate, vx, vz = begun(sole, poses, hip, turning, turning_speed, h0)
-    best, best_vx, best_vz, dvx, dvz, halved = np.inf, vx, vz, 0.0, 0.0, 0
+    best, best_vx, best_vz, dvx, dvz, part, side = np.inf, vx, vz, 0.0, 0.0, 1.0, 1.0
     for _ in range(MAX_NEWTON):
         hip = Motion(start.x + c * vx, start.z + c * vz, vx, vz)
         at = contact(world, sole, poses, hip, turning_speed, c, h0, counts)
         rx, rz = residual(world, start, c, hip, at)
         square = rx * rx + rz * rz
         if square <= best:
-            best, best_vx, best_vz, halved = square, vx, vz, 0
+            best, best_vx, best_vz, part = square, vx, vz, min(2.0 * part, 1.0) if gated(world) else 1.0
             dvx, dvz = newton_step(inv, at, rx, rz)
-            if converged(world, vx, vz, dvx, dvz, at, turning_speed, plate):
+            if converged(world, sole, poses, vx, vz, dvx, dvz, at, turning_speed, plate):
                 vx, vz = vx + dvx, vz + dvz
                 end = Motion(start.x + c * vx, start.z + c * vz, vx, vz)
                 left, right = _extrapolated(at.left, dvx, dvz), _extrapolated(at.right, dvx, dvz)
                 return end, Contact(left, right, ended(plate, vx, vz)), True
+            dvx, dvz = part * dvx, part * dvz
             vx, vz = stepped(plate, vx, vz, dvx, dvz, h0)
         elif plate.foot == NO_FOOT:
             plate = turning_plate(sole, poses, hip, best_vx, best_vz, turning_speed, h0)
             vx, vz = half_way(plate, best_vx, best_vz, vx, vz)
             best = np.inf
-        elif halved < HALVINGS:
-            dvx, dvz, halved = 0.5 * dvx, 0.5 * dvz, halved + 1
+        elif part > SHORTEST:
+            dvx, dvz, part = 0.5 * dvx, 0.5 * dvz, 0.5 * part
             vx, vz = stepped(plate, best_vx, best_vz, dvx, dvz, h0)
         else:
-            break
+            vx, vz = best_vx + side * dvx / part, best_vz + side * dvz / part
+            best, part, side = np.inf, 1.0, -side
+    counts.unsolved += 1
     return start, ALOFT, False
 
 
@@ -91,7 +98,13 @@ def newton_step(inv, at, rx, rz):
 
 
 @inlined
-def converged(world, vx, vz, dvx, dvz, at, turning_speed, plate):
+def gated(world):
+    """Whether effects have gates, which jump with the velocity."""
+    return not world.bypass and world.effects.gates is not None
+
+
+@inlined
+def converged(world, sole, poses, vx, vz, dvx, dvz, at, turning_speed, plate):
     """Whether a step is small against the speed at which the plates of the slower foot move through the sand.
 
     That speed (`_speed`) is at least the creep speed, on which the law is smooth.
@@ -108,8 +121,9 @@ def converged(world, vx, vz, dvx, dvz, at, turning_speed, plate):
     enough = world.tolerance * speed
     if plate.foot != NO_FOOT:
         enough = min(enough, SMOOTH_STEP * plate.speed)
-    if not world.bypass and world.effects.gates is not None:  # a gate opens within the turning speed
-        enough = min(enough, SMOOTH_STEP * turning_speed)
+    if gated(world):
+        slower = min(abs(ankle_of(poses, 0).rate), abs(ankle_of(poses, 1).rate))
+        enough = min(enough, SMOOTH_STEP * _smooth_speed(sole, slower, turning_speed))
     return size <= rounding or (force > 0.0 and size <= enough + rounding)
 
 
@@ -159,10 +173,19 @@ def deepest_plate(sole, poses, foot, turning_speed, h0):
     ankle = ankle_of(poses, foot)
     i, height = lowest(sole, ankle)
     motion = kinematics(ankle, sole.plates[0, i], sole.plates[1, i])
-    within = TURN * ankle.rate * sole.span
-    speed = np.sqrt(turning_speed * turning_speed + within * within)
+    speed = _smooth_speed(sole, ankle.rate, turning_speed)
     x, z = _held(h0, foot, i)
     return Plate(foot, -motion.vx - speed * x, -motion.vz - speed * z, speed, height)
+
+
+@inlined
+def _smooth_speed(sole, rate, turning_speed):
+    """The speed over which a plate's direction turns, m/s; a gate opens over no less.
+
+    rate: of the foot's pitch, rad/s.
+    """
+    within = TURN * rate * sole.span
+    return np.sqrt(turning_speed * turning_speed + within * within)
 
 
 @inlined

@@ -43,9 +43,9 @@ class Table:
     quantities : tuple of str
         Names of `raw`.
     counts : dict of str to (designs,), int
-        Of the planar walker: evaluations of plates; steps under control that were shortened to half their
-        length, as their error was too large or Newton's method did not converge; repeats of the walk with a
-        quarter of the time step, as a step could not be solved or a state was not finite.
+        Of the planar walker: evaluations of plates; implicit stages that Newton's method left unsolved; steps
+        under control that were shortened to half their length, for these or for too large an error; repeats
+        of the walk with a quarter of the time step, as a step could not be solved or a state was not finite.
     errors : (designs, objectives), optional
         Estimates of the values' errors, in their units; NaN where a finer walk ends otherwise or is too long.
         None unless `evaluate` was asked for them.

@@ -15,9 +15,9 @@ LANES = 8  # plates are padded to a multiple of this, and summed in such blocks
 
 NO_FOOT = -1  # in place of a foot's number
 
-#: Counts of a walk: evaluations of the contact, of plates in it, steps that were repeated with half their
-#: length, and how often the whole walk was, with a quarter of it.
-COUNTED = ("plates", "shortened", "repeats")
+#: Counts of a walk: evaluations of the contact, of plates in it, stages that Newton's method left unsolved,
+#: steps that were repeated with half their length, and how often the whole walk was, with a quarter of it.
+COUNTED = ("plates", "unsolved", "shortened", "repeats")
 COUNTS = np.dtype([(name, np.int64) for name in ("evaluations", *COUNTED)])
 
 

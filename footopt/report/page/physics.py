@@ -66,7 +66,7 @@ def physics(
             "halvings": discretize.HALVINGS,
             "newton": newton.NEWTON,
             "most": newton.MAX_NEWTON,
-            "most_halvings": newton.HALVINGS,
+            "shortest": newton.SHORTEST,
             "inside": newton.INSIDE,
             "gated": newton.SMOOTH_STEP,
             "turn": TURN,

@@ -1,6 +1,6 @@
-// The walk, as footopt/walk/newton.py, turning.py, steppers/implicit.py, loop.py, metrics.py and objectives.py compute it.
+// The walk, as footopt/walk/newton.py, steppers/implicit.py, loop.py, metrics.py and objectives.py compute it.
 
-// --- one step: footopt/walk/newton.py, turning.py, steppers/implicit.py -----------------------------------------
+// --- one step: footopt/walk/newton.py, steppers/implicit.py -----------------------------------------
 
 const spare = new Float64Array(7);
 const implicit = { vx: 0, vz: 0, force: new Float64Array(14), turning: null };
@@ -51,17 +51,18 @@ function stepped(plate, vx, vz, dvx, dvz) {
 
 /** Velocity V of an implicit stage, V = v0 + c a(r0 + c V, V), by Newton's method from a guess; whether it was found. */
 function solveStage(W, sole, poses, p, x0, z0, vx0, vz0, c, vx, vz, turning) {
-  const { newton, most, most_halvings, inside, gated, creep } = P.accuracy, F = implicit.force, inv = c / W.mass, { tilt, g } = P.gravity;
-  let best = Infinity, dvx = 0, dvz = 0, halved = 0, plate = turning && deepestPlate(sole, poses, p, turning.foot, creep);
+  const { newton, most, shortest, inside, gated, creep } = P.accuracy, F = implicit.force, inv = c / W.mass, { tilt, g } = P.gravity;
+  let best = Infinity, dvx = 0, dvz = 0, part = 1, side = 1, plate = turning && deepestPlate(sole, poses, p, turning.foot, creep);
   if (plate && z0 + c * vz + plate.height >= 0) plate = null;
   if (plate) [vx, vz] = velocityOf(plate, turning.x, turning.z, vx, vz);
+  const smooth = smoothSpeed(sole, Math.min(Math.abs(poses[p + 6]), Math.abs(poses[p + 13])), creep);
   let bestX = vx, bestZ = vz;
   for (let i = 0; i < most; i++) {
     contact(W, sole, poses, p, x0 + c * vx, z0 + c * vz, vx, vz, creep, c, F);
     const rx = vx - (tilt === null ? vx0 : vx0 + c * tilt) - inv * (F[0] + F[7]), rz = vz - vz0 - inv * (F[1] + F[8]) + c * g;
     const residual = rx * rx + rz * rz;
     if (residual <= best) {
-      [best, bestX, bestZ, halved] = [residual, vx, vz, 0];
+      [best, bestX, bestZ, part] = [residual, vx, vz, gates.length ? Math.min(2 * part, 1) : 1];
       const jxx = 1 - inv * (F[3] + F[10]), jxz = -inv * (F[4] + F[11]), jzx = -inv * (F[5] + F[12]), jzz = 1 - inv * (F[6] + F[13]);
       const det = 1 / (jxx * jzz - jxz * jzx);
       dvx = (jxz * rz - jzz * rx) * det;
@@ -69,7 +70,7 @@ function solveStage(W, sole, poses, p, x0, z0, vx0, vz0, c, vx, vz, turning) {
       const size = Math.abs(dvx) + Math.abs(dvz), rounding = 1e-13 * (1 + Math.abs(vx) + Math.abs(vz));
       const force = Math.abs(F[0]) + Math.abs(F[1]) + (Math.abs(F[7]) + Math.abs(F[8]));
       const speed = force === 0 ? creep : creep + Math.min(meanSpeed(F, 0, force), meanSpeed(F, 7, force));
-      const enough = Math.min(newton * speed, plate ? gated * plate.speed : Infinity, gates.length ? gated * creep : Infinity);
+      const enough = Math.min(newton * speed, plate ? gated * plate.speed : Infinity, gates.length ? gated * smooth : Infinity);
       if (size <= rounding || (force > 0 && size <= enough + rounding)) {
         implicit.vx = vx + dvx;
         implicit.vz = vz + dvz;
@@ -81,19 +82,19 @@ function solveStage(W, sole, poses, p, x0, z0, vx0, vz0, c, vx, vz, turning) {
         }
         return true;
       }
+      [dvx, dvz] = [part * dvx, part * dvz];
       [vx, vz] = stepped(plate, vx, vz, dvx, dvz);
     } else if (!plate) { // half-way in w
       plate = turningPlate(sole, poses, p, z0 + c * vz, bestX, bestZ, vx, vz, creep);
       const [x, z] = halfWay(plate, bestX, bestZ, vx, vz);
       [vx, vz] = velocityOf(plate, x, z, 0.5 * (bestX + vx), 0.5 * (bestZ + vz));
       best = Infinity;
-    } else if (halved < most_halvings) {
-      halved++;
-      dvx *= 0.5;
-      dvz *= 0.5;
+    } else if (part > shortest) {
+      [dvx, dvz, part] = [0.5 * dvx, 0.5 * dvz, 0.5 * part];
       [vx, vz] = stepped(plate, bestX, bestZ, dvx, dvz);
-    } else {
-      return false;
+    } else { // a whole step away, on one side and on the other
+      [vx, vz] = [bestX + (side * dvx) / part, bestZ + (side * dvz) / part];
+      [best, part, side] = [Infinity, 1, -side];
     }
   }
   return false;
