@@ -5,7 +5,8 @@ is finer than the one below by a known factor. From the coarsest numbers on, eac
 rung: what that changes in the objectives, times `SAFE`, is the error that the side leaves. The side with
 the largest error for what its refinement costs goes up, until the errors add up to `SHARE` of the
 tolerance. One rung may by chance change little: a walk further up on all sides (`DEEP`) has to agree, or the
-climb goes on. Costs are evaluations and plates, never seconds: the choice is the same on every machine.
+climb goes on. Then sides go down again as long as that walk agrees, for a climb learns late which of them
+errs. Costs are evaluations and plates, never seconds: the choice is the same on every machine.
 """
 
 import math
@@ -33,6 +34,8 @@ FEWEST = 24  # plates
 STEP_HALVED = 3  # rungs of half the control each, of which the last also halves the longest step
 SAFE = 2.0  # an error is at most so many times what the next rung changes, if each rung halves it
 SHARE = 0.5  # of the tolerance, for the errors of the probes: other soles of their kind err more
+AGAIN = 0.8  # of that share, for the errors of a rung further down: one of several may be good by chance
+WORTH = 0.8  # of a rung's work: for more than that none further down is taken
 SMALL = 1 / 6  # of that share: an error that is not worth a rung
 FAR = 4.0  # times that share: an error that two rungs will not bring within it
 VAIN, BARELY = 8.0, 1.5  # so many times the work is to bring the error down by this factor
@@ -276,7 +279,30 @@ def climb(
             break
         rung = rung.up(NEXT.sides()[side], rungs, top)
     found = passed[-1] if passed[-1].error <= allowed else _best(passed, passed[-1])
+    if by is deep and found.error <= allowed:
+        found = _descended(found, at, up(deep), AGAIN * allowed, lambda one: price() <= most * one.work)
     return found._replace(price=price(), path=tuple(dict.fromkeys(path)))
+
+
+def _descended(
+    found: Found,
+    at: Callable[[Rung], tuple[Array, float]],
+    ups: Sequence[tuple[Array, float]],
+    allowed: float,
+    affordable: Callable[[Found], bool],
+) -> Found:
+    """The cheapest rung to which sides go down, one by one, while walks further up (`ups`) agree with it."""
+    lowest, last = found, None
+    while lowest is not last:
+        last, tried = lowest, [lowest]
+        for side in NEXT.sides():
+            below = Rung(*(here - less for here, less in zip(last.rung, side, strict=True)))
+            if min(below) >= 0:
+                values, cost = at(below)
+                tried.append(Found(below, worst(_changed(values, ups), ALIKE), cost))
+        lowest = min((one for one in tried if one.error <= allowed or one is last), key=lambda one: one.work)
+        lowest = lowest if affordable(lowest) else last
+    return lowest if lowest.work <= WORTH * found.work else found
 
 
 def _changed(values: Array, ups: Sequence[tuple[Array, float]]) -> Array:

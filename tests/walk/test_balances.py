@@ -142,8 +142,10 @@ class TestNewton:
         feet, turning = fo.Waypoints().random(4, seed=1), fo.Gait.human()
         scenes = [fo.Scene(fo.Sand(zeta), gait, effects=effects) for gait in (turning, level(turning))]
         walks = [fo.evaluate(feet, scene, accuracy) for scene in scenes]
-        assert (walks[1].evaluations <= 2.0 * walks[0].evaluations).all()
+        most = 3.0 if fo.LeadingEdge() in effects else 2.0  # there one that turns takes few
+        assert (walks[1].evaluations <= most * walks[0].evaluations).all()
         assert not walks[1].counts["repeats"].any()
+        assert not walks[1].counts["unsolved"].any()
 
     def test_a_march_is_right(self, flat_foot):
         """Level feet set down at 3 m/s."""
