@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from footopt.arrays import Array, Bools, Ints, Words
+from footopt.arrays import Array, Ints, Words
 from footopt.design.executor import Workers, walk
 from footopt.design.fronts import Volume, extended
 from footopt.design.problem import FootProblem, Known
@@ -78,10 +78,6 @@ class Designs(NamedTuple):
     reasons: Words
     violation: Array
     generation: Ints
-
-    def take(self, rows: Ints | Bools | slice) -> Designs:
-        """Some of them."""
-        return Designs._make(column[rows] for column in self)
 
     def joined(self, new: Designs) -> Designs:
         """These and others."""
@@ -159,7 +155,7 @@ class Archive:
     def result(self, solver: Solver, seconds: float, interrupted: bool, reused: int) -> SearchResult:
         """Everything that was evaluated up to the last finished generation, and the best of it."""
         generations, count, front = self._closed
-        designs = self.designs.take(slice(count))
+        designs = Designs._make(column[:count] for column in self.designs)
         reasons = self.problem.reasons(designs.values, designs.reasons, designs.violation)
         if not len(front) and interrupted:
             raise KeyboardInterrupt("before a feasible design was found")

@@ -85,10 +85,13 @@ def certified(
     certificate does not hold.
     """
     problem, space = result.problem, result.problem.space
+    column = problem.record.index(problem.ranking_objective)
     searched, fresh, count, steps = {k.tobytes() for k in result.k}, set[bytes](), finalists, 0
     while True:
         confirmed = confirm(result, accuracy, count)
-        own, margin = result.k[confirmed.designs[0]], SAFETY * _change(result, confirmed)
+        own, good = result.k[confirmed.designs[0]], confirmed.good
+        before, after = result.values[confirmed.designs[good], column], confirmed.values[good, column]
+        margin = SAFETY * largest_change(before, after, none=0.0)
         near, distance = neighbours(own, space)
         inside = near[space.inside(near)]
         new = {k.tobytes() for k in inside} - searched
@@ -130,13 +133,6 @@ def _judged(problem: FootProblem, k: Ints, values: Array, reasons: Words) -> Arr
     """The objective of evaluated designs, minimised, (designs,); infinite where a constraint is broken."""
     kept = problem.feasible(values, reasons, problem.space.box_violation(k))
     return np.where(kept, problem.minimised(values)[:, 0], np.inf)
-
-
-def _change(result: SearchResult, confirmed: Confirmation) -> float:
-    """The largest relative change of a good finalist's objective between the two accuracies."""
-    column = result.problem.record.index(result.problem.ranking_objective)
-    before = result.values[confirmed.designs[confirmed.good], column]
-    return largest_change(before, confirmed.values[confirmed.good, column], none=0.0)
 
 
 def joined(result: SearchResult, k: Ints, values: Array, reasons: Words) -> SearchResult:

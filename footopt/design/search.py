@@ -174,10 +174,8 @@ def _begun(problem: FootProblem, solver: Solver, known: Known, start: Any, termi
     solver.check_space(problem.space)
     algorithm = solver.build(problem.n_obj)
     algorithm.data[KNOWN] = known
-    ends = copy.deepcopy(termination) or (
-        "n_gen",
-        solver.n_gen or REPEATS * solver.generations(problem.space),
-    )
+    most = solver.n_gen or REPEATS * solver.generations(problem.space)
+    ends = copy.deepcopy(termination) or ("n_gen", most)
     try:
         algorithm.setup(problem, termination=ends, seed=solver.seed, verbose=False)
     except AssertionError as error:  # their way to say it: MOEA/D, DNSGA2, KGB

@@ -161,6 +161,7 @@ def candidates(
     problem, start, name = result.problem, result.k[result.leaders(FIRST)], result.problem.ranking_objective
     numbers = numerics(drafted(problem.accuracy), problem.scene, problem.space)
     walks, doing = max(math.ceil(share * result.evaluations), LEAST), "searching the foot to print"
+    alike = problem.names, problem.space, numbers, problem.threads
     found: list[Ints] = []
     walked: list[tuple[Scenario, float, Evaluator]] = []  # laws, with references and evaluators
 
@@ -170,9 +171,7 @@ def candidates(
 
     with ExitStack() as opened:
         for law in laws:
-            alone = FootProblem(
-                law.scene, problem.names, problem.space, numbers, problem.threads, problem.limits
-            )
+            alone = FootProblem(law.scene, *alike, problem.limits)
             kept = None if store is None else opened.enter_context(Store(store, alone))
             most = len(start) if law.scene == problem.scene else walks  # that has been searched
             with suppress(FootoptError):  # no foot walks
@@ -213,9 +212,8 @@ def better_zetas(problem: FootProblem, foot: Ints, flat: Ints) -> tuple[float | 
         """By how much the foot is better, a number of steps from the scene's own zeta."""
         there = scale_zeta(scene, REACH ** (step / STEPS))
         table = evaluate(np.stack([foot, flat]), there, numbers, (name,), problem.space, problem.threads)
-        return (
-            -float(regret(table.values[0], table.values[1], name)[0]) if table.feasible.all() else -math.inf
-        )
+        ours, flat_one = table.values
+        return -float(regret(ours, flat_one, name)[0]) if table.feasible.all() else -math.inf
 
     def turn(direction: int) -> float | None:
         """Where the lead is nothing: in proportion between the last step with one and the first without."""

@@ -105,12 +105,9 @@ class Solver:
 
     def check_space(self, space: Waypoints) -> None:
         """Raise a `SettingError` if every design is to be walked of a space that has too many."""
-        total = space.K**space.n
-        if self.name == EXHAUSTIVE and total > LIMIT:
-            count = f"{total:,}" if total < 10**15 else "more than 10^15"
-            allowed = f"small enough that foot.K^foot.n is at most {LIMIT:,} soles, to walk with all of them"
-            hint = f"{space.K}^{space.n} soles are {count}. Try foot.n=5 or foot.K=4, or solver=memetic."
-            raise SettingError("foot.n", space.n, allowed, hint)
+        few = self.name != EXHAUSTIVE or space.K**space.n <= LIMIT
+        allowed = f"small enough that foot.K^foot.n is at most {LIMIT:,} soles, to walk with all of them"
+        check(few, "foot.n", space.n, allowed, "Try foot.n=5 or foot.K=4, or solver=memetic.")
 
     @property
     def size(self) -> int:
