@@ -26,9 +26,9 @@ from footopt.report.figures.search import scatter_matrix
 from footopt.report.numbers import number, percent
 from footopt.report.page.file import column, packed
 from footopt.report.style import save
-from footopt.report.terminal import console, table
+from footopt.report.terminal import console, span, table
 
-ROOM, COLUMN = 26, 10  # letters of its first and last column, and of each between
+ROOM, COLUMN, RANGE = 26, 10, 16  # letters of its first and last column, and of each between
 SEED = "solver.seed"
 #: Settings that do not change which problem is searched.
 OUTSIDE_PROBLEM = ("solver.", "engine.", "study.", "choose.", "report", "plugins", "accuracy.")
@@ -50,6 +50,12 @@ class Row:
         """Of its foot, by name, natural signs: NaN without a value, none at all without a foot."""
         found = self.result.get("objectives", {})
         return {name: math.nan if value is None else float(value) for name, value in found.items()}
+
+    @property
+    def under_laws(self) -> str:
+        """J_W under the other laws of sand, as multiples of the flat foot's; "" where none was evaluated."""
+        gains = [law["change"].get("efficiency") for law in self.result.get("laws", [])[1:]]
+        return span("efficiency", [math.nan if gain is None else gain for gain in gains]) if gains else ""
 
 
 def read(folder: Path) -> Row:
@@ -167,11 +173,13 @@ def _print_table(folder: Path, runs: Sequence[Row], labels: Sequence[str]) -> No
     out, done = console(), [i for i, run in enumerate(runs) if run.objectives]
     columns, values = compared([runs[i] for i in done])
     titles = [f"{c['title']} ({c['unit']})".removesuffix(" ()") for c in columns]
-    fit = max((out.width - ROOM) // COLUMN, 1)
-    shown = table(("run and settings", *titles[:fit], "hollow (mm)"), words=("run and settings",))
+    laws = ["J_W by other laws"] * any(run.under_laws for run in runs)
+    fit = max((out.width - ROOM - RANGE * len(laws)) // COLUMN, 1)
+    shown = table(("run and settings", *titles[:fit], *laws, "hollow (mm)"), words=("run and settings",))
     for i, (label, run) in enumerate(zip(labels, runs, strict=True)):
         row = values[done.index(i)][:fit] if i in done else [math.nan] * len(titles[:fit])
-        shown.add_row(label, *map(number, [*row, run.result.get("design", {}).get("hollow_mm", math.nan)]))
+        hollow = run.result.get("design", {}).get("hollow_mm", math.nan)
+        shown.add_row(label, *map(number, row), *[run.under_laws or "-" for _ in laws], number(hollow))
     out.print(shown)
     sought = {name for i in done for name in runs[i].result.get("objective_names", [])}
     if len(done) > 1 and len(sought) == 1 and columns and np.isfinite(values[:, 0]).any():
@@ -227,6 +235,7 @@ def runs_content(
                 "name": name,
                 "settings": overrides[i],
                 "note": run.note,
+                "laws": run.under_laws,
                 "design": done.index(i) if i in done else None,
                 "link": quote(Path(os.path.relpath(run.folder, folder), "report.html").as_posix())
                 if (run.folder / "report.html").is_file()

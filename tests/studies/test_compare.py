@@ -1,6 +1,7 @@
 """Earlier runs side by side: found by name or pattern, and told where they are."""
 
 import csv
+import json
 
 import pytest
 from study_pages import leave_job
@@ -54,6 +55,17 @@ def test_a_table_a_file_and_a_page(runs, capsys):
     assert '"link":"../new/c/report.html"' in text
     assert text.count('"link":null') == 2
     assert (runs / "here" / "result.json").is_file()
+
+
+def test_the_gain_of_a_search_has_its_range_over_the_other_laws(runs, capsys):
+    path = runs / "old" / "a" / "result.json"
+    result = json.loads(path.read_text())
+    gains = {"own law": 0.8, "shadowing": 0.5, "both": -0.1, "a walk that failed": None}
+    result["laws"] = [{"law": law, "loss": 0.0, "change": {"efficiency": g}} for law, g in gains.items()]
+    path.write_text(json.dumps(result))
+    compare(runs / "here", f"{runs}/old/[ab]")
+    assert capsys.readouterr().out.count("x 0.90 to 1.50") == 1
+    assert (runs / "here" / "report.html").read_text().count('"laws":"x 0.90 to 1.50"') == 1
 
 
 def test_a_multirun_stands_for_its_jobs_in_their_order(runs):

@@ -224,16 +224,16 @@ const words = (text) => el("span", { class: "words" },
 
 /** Runs side by side, such as the jobs of a multirun: a table with their soles. */
 function runsSection(choose) {
-  const differ = data.columns;
+  const differ = data.columns, ranged = data.runs.some(({ laws }) => laws);
   return el("section", { id: "runs" }, el("h2", {}, "The runs"),
-    scrolled("The runs", table(["run", "settings", "sole", ...differ.map(named), "hollow (mm)"],
-      data.runs.map(({ name, link, settings, note, design: i }) => [
+    scrolled("The runs", table(["run", "settings", "sole", ...differ.map(named), ...(ranged ? ["J_W under other laws"] : []), "hollow (mm)"],
+      data.runs.map(({ name, link, settings, note, laws, design: i }) => [
         link ? el("a", { href: link }, name) : name,
         el("div", {}, words(settings), note ? el("div", { class: "words warning" }, note) : ""),
         i === null ? "" : el("button", { type: "button", "aria-label": `Choose the sole of ${name}`, click: () => choose(i) },
           soleDrawing(sole(i), { width: 120, height: 36, plain: true, colour: COLOURS[i % COLOURS.length] })),
         ...differ.map((_, c) => (i === null ? "–" : number(values[i * WIDTH + c]))),
-        i === null ? "–" : (MM * hollow(sole(i))).toFixed(1)]))),
+        ...(ranged ? [laws || "–"] : []), i === null ? "–" : (MM * hollow(sole(i))).toFixed(1)]))),
     ...(data.runs.some((run) => run.link) ? [el("p", { class: "note" }, "A run's link opens its own page.")] : []));
 }
 
