@@ -139,20 +139,16 @@ class Workers:
         """Walk with designs (designs, n); `EngineError` if a worker dies."""
         workers = getattr(self.executor, "workers", getattr(self.executor, "_max_workers", None))
         size = min(math.ceil(len(k) / EACH / at_once(workers)), LARGEST)
-        sent, futures = self._sent, []
+        chunks = [k[i : i + size] for i in range(0, len(k), size)]
+        sent = [self._sent] * len(chunks)
         try:
-            for i in range(0, len(k), size):  # one by one: all that could be submitted are cancelled
-                futures.append(self.executor.submit(walk_chunk, sent, k[i : i + size]))  # noqa: PERF401
-            found = [future.result() for future in futures]
+            found = list(self.executor.map(walk_chunk, sent, chunks))
         except (FootoptError, MemoryError):
             raise
         except Exception as error:
             died = isinstance(error, BrokenExecutor) or type(error).__name__ == "KilledWorker"  # dask's
             why = f"The workers, or their scheduler, cannot go on ({type(error).__name__}: {error})."
             raise EngineError(DIED if died else why) from None
-        finally:
-            for future in futures:
-                future.cancel()
         for part in found:
             if isinstance(part, str):
                 raise FootoptError(part)
