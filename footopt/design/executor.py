@@ -21,7 +21,7 @@ import numpy as np
 
 from footopt.arrays import Array, Ints, Words
 from footopt.design.problem import FootProblem
-from footopt.design.store import ERROR, context, differences, listed
+from footopt.design.store import ERROR, differences, key_of, listed
 from footopt.errors import EngineError, FootoptError, check, shortened
 from footopt.walk.loop import at_once
 
@@ -114,7 +114,7 @@ def walk_chunk(sent: bytes, k: Ints) -> tuple[Array, Words] | str:
 def _received(sent: bytes) -> FootProblem:
     try:
         problem, there = pickle.loads(sent)
-        here = context(problem)
+        here = key_of(problem)
     except Exception as error:
         raise FootoptError(
             f"A worker cannot load the problem ({type(error).__name__}: {error}). Its classes have to be "
@@ -156,11 +156,11 @@ class Workers:
 
     @cached_property
     def _sent(self) -> bytes:
-        """The problem, compiled once, here, for all workers that share the cache, and its context."""
+        """The problem, compiled once, here, for all workers that share the cache, and its key."""
         problem = self.problem
         problem.walk(np.full((1, problem.space.n), problem.space.K))
         try:
-            return pickle.dumps((problem, context(problem)))
+            return pickle.dumps((problem, key_of(problem)))
         except Exception as error:
             raise FootoptError(
                 f"The problem cannot be sent to other processes ({error}). Its classes have to be in a "

@@ -1,9 +1,9 @@
 """`Store`: evaluated designs in an SQLite file, so that no walk is lost and none is done twice.
 
-A design is kept under its heights and its context: all that determines its values, to the last bit. A
-search with the same seed asks for the same designs in the same order, so that a search is resumed by running
-it again: what it had is read, what is missing is walked. For each context a view, `designs_1` and so on, has
-columns that any program reads.
+A design is kept under its heights and its key: all that determines its values, to the last bit, which is a
+row of the table `context`. A search with the same seed asks for the same designs in the same order, so that a
+search is resumed by running it again: what it had is read, what is missing is walked. For each key a view,
+`designs_1` and so on, has columns that any program reads.
 """
 
 from __future__ import annotations
@@ -35,9 +35,9 @@ APPLICATION = int.from_bytes(b"foot")  # marks the file as ours (SQLite's applic
 LAYOUT = 4  # of the tables below (SQLite's user_version)
 PATIENCE = 30.0  # s, for another process that writes
 ERROR = "error"  # what the reason of a design begins with whose walk has raised an exception
-#: Of a context, what no setting says: the same settings may be walked by other code, on another machine.
+#: Of a key, what no setting says: the same settings may be walked by other code, on another machine.
 CODE = ("own", "versions", "machine")
-SHOWN = 4  # differences between two contexts that a message names
+SHOWN = 4  # differences between two keys that a message names
 _CANONICAL = json.JSONEncoder(sort_keys=True, separators=(",", ":"))
 
 TABLES = """
@@ -81,7 +81,7 @@ class Store:
 
     def __init__(self, path: str | Path, problem: FootProblem, reuse: bool = False) -> None:
         self.path, self.problem = Path(path), problem
-        self._context = context(problem)
+        self._key = key_of(problem)
         try:
             self._connection = sqlite3.connect(self.path, timeout=PATIENCE, isolation_level=None)
         except sqlite3.Error as error:
@@ -145,14 +145,14 @@ class Store:
         return told if self.foreign else ""
 
     def _by_other_code(self) -> dict[int, list[str]]:
-        """Contexts of the same settings that have designs, and how the code or machine there differs."""
+        """Keys of the same settings that have designs, and how the code or machine there differs."""
         query = (
             "SELECT id, description FROM context WHERE id != ? "
             "AND EXISTS (SELECT 1 FROM design WHERE context = context.id)"
         )
         with self._explained() as connection:
             rows = connection.execute(query, (self._id,)).fetchall()
-        found = {number: differences(json.loads(text), self._context) for number, text in rows}
+        found = {number: differences(json.loads(text), self._key) for number, text in rows}
         return {number: names for number, names in found.items() if all(n.startswith(CODE) for n in names)}
 
     def _make_or_check(self, connection: sqlite3.Connection) -> None:
@@ -172,14 +172,14 @@ class Store:
         _log_ahead(connection)
 
     def _enter(self, connection: sqlite3.Connection) -> int:
-        """The number of this problem's context in the file, whose designs a view shows."""
-        name = digest(self._context)
+        """The number of this problem's key in the file, whose designs a view shows."""
+        name = digest(self._key)
         query = "SELECT id FROM context WHERE digest = ?"
         with _transaction(connection):
             if (row := connection.execute(query, (name,)).fetchone()) is not None:
                 return int(row[0])
             insert = "INSERT INTO context (digest, description) VALUES (?, ?)"
-            number = int(connection.execute(insert, (name, canonical(self._context))).lastrowid or 0)
+            number = int(connection.execute(insert, (name, canonical(self._key))).lastrowid or 0)
             heights = [f"json_extract(k, '$[{i}]') AS k{i + 1}" for i in range(self.problem.space.n)]
             values = [
                 f"json_extract(record, '$[{i}]') AS \"{one}\"" for i, one in enumerate(self.problem.record)
@@ -232,7 +232,7 @@ def _written(values: Array) -> str:
     return canonical(np.asarray(values, float).tolist()).replace("NaN", "null").replace("Infinity", "9e999")
 
 
-def context(problem: FootProblem) -> dict[str, Any]:
+def key_of(problem: FootProblem) -> dict[str, Any]:
     """All that determines what is recorded of a design, in JSON's types; the box's tolerance does not."""
     space = plain(problem.space)
     del space["box_tolerance"]
@@ -285,7 +285,7 @@ def plain(value: Any) -> Any:
         return plain(value.item())
     if value is None or isinstance(value, (bool, int, float, str)):
         return value
-    raise TypeError(f"a {type(value).__name__} cannot be part of a store's context")
+    raise TypeError(f"a {type(value).__name__} cannot be part of a store's key")
 
 
 def canonical(content: Any) -> str:
@@ -309,7 +309,7 @@ def flat(content: Any, name: str = "") -> dict[str, Any]:
 
 
 def differences(there: Any, here: Any) -> list[str]:
-    """Names that differ between two contexts, each with both values."""
+    """Names that differ between two keys, each with both values."""
     one, other = flat(there), flat(here)
     names = [name for name in sorted(one | other) if one.get(name) != other.get(name)]
     return [f"{n} ({_short(one.get(n))} there, {_short(other.get(n))} here)" for n in names]

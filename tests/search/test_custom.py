@@ -12,7 +12,7 @@ from running import composed, footopt
 import footopt as fo
 from footopt.design import make_executor
 from footopt.design.solvers import Solver
-from footopt.design.store import context
+from footopt.design.store import key_of
 from footopt.effects import name_of
 from footopt.errors import SettingError
 from footopt.studies.build import load_plugins, make_effects
@@ -64,11 +64,11 @@ class TestPlugins:
         own.write_text(text, encoding="utf-8")
         load_plugins([str(own)])
         problem = fo.FootProblem(objective="work_per_metre")
-        before = context(problem)
+        before = key_of(problem)
         assert "own_objective.work_per_metre" in before["own"]
         own.write_text(text.replace('raw["work"] /', '2.0 * raw["work"] /'), encoding="utf-8")
-        assert context(problem)["own"] != before["own"]
-        assert context(fo.FootProblem())["own"] == {}
+        assert key_of(problem)["own"] != before["own"]
+        assert key_of(fo.FootProblem())["own"] == {}
 
     def test_a_store_knows_the_sources_of_two_plugins_whose_classes_have_one_name(self, tmp_path):
         text = (CUSTOM / "effect.py").read_text(encoding="utf-8")
@@ -79,10 +79,10 @@ class TestPlugins:
         problem = fo.FootProblem(
             fo.Scene(effects=(fo.effects.EFFECTS["slab"](), fo.effects.EFFECTS["pan"]()))
         )
-        found = [context(problem)["own"]]
+        found = [key_of(problem)["own"]]
         for file in files:
             file.write_text(f"{file.read_text(encoding='utf-8')}# edited", encoding="utf-8")
-            found.append(context(problem)["own"])
+            found.append(key_of(problem)["own"])
         assert found[0] != found[1] != found[2]
 
 

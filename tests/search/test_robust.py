@@ -14,7 +14,7 @@ import footopt as fo
 from footopt.design import Solver, Store, confirm, search
 from footopt.design.robust import RISK_MEASURES, regret, risk
 from footopt.design.scenarios import sands
-from footopt.design.store import context, differences, digest
+from footopt.design.store import differences, digest, key_of
 from footopt.errors import FootoptError, SettingError
 from footopt.walk.accuracy import PRESETS
 
@@ -187,10 +187,10 @@ class TestRobustProblem:
             problem(references=[1.0, 2.0, 3.0]),
             fo.FootProblem(SANDS[0].scene, "efficiency", SMALL, COARSE),
         ]
-        digests = [digest(context(p)) for p in others]
+        digests = [digest(key_of(p)) for p in others]
         assert len(set(digests)) == len(digests)
-        assert digest(context(problem())) == digests[0]
-        (said,) = differences(context(others[2]), context(others[0]))
+        assert digest(key_of(problem())) == digests[0]
+        (said,) = differences(key_of(others[2]), key_of(others[0]))
         assert said == "scenarios.0.ankle ([0.01, 0.0] there, [0.0, 0.0] here)"
         with Store(tmp_path / "s.sqlite", problem()) as store:
             assert len(store) == 0

@@ -15,7 +15,7 @@ from searching import QUICK, SMALL, assert_same, objective_of, problem, stop_aft
 import footopt as fo
 from footopt.design import Store, search
 from footopt.design import store as store_module
-from footopt.design.store import ERROR, LAYOUT, context, digest
+from footopt.design.store import ERROR, LAYOUT, digest, key_of
 from footopt.errors import FileError
 
 BOTH = np.array([[1] * 5, [2] * 5])
@@ -153,7 +153,7 @@ class TestStore:
 
 
 class TestContext:
-    def test_all_that_changes_a_result_changes_the_context(self):
+    def test_all_that_changes_a_result_changes_the_key(self):
         scene, base = fo.Scene(sand=fo.Sand(5.0)), problem()
         replace = dataclasses.replace
         changed = [
@@ -174,10 +174,10 @@ class TestContext:
                 )
             ),
         ]
-        digests = {digest(context(p)) for p in (base, *changed)}
+        digests = {digest(key_of(p)) for p in (base, *changed)}
         assert len(digests) == 1 + len(changed)
         same = problem("work", space=replace(SMALL, box_tolerance=1.0))
-        assert digest(context(same)) == digest(context(base))
+        assert digest(key_of(same)) == digest(key_of(base))
 
     def test_designs_walked_by_other_code_are_used_only_when_asked_for_and_said(self, path, monkeypatch):
         with Store(path, problem()) as store:

@@ -12,7 +12,7 @@ import yaml
 
 from footopt.arrays import Array
 from footopt.design import FootProblem, Solver, search
-from footopt.design.store import context, digest, plain
+from footopt.design.store import digest, key_of, plain
 from footopt.effects import EFFECTS
 from footopt.errors import check
 from footopt.foot import SHAPES, Foot, lower_hull
@@ -135,7 +135,7 @@ def evidence(config: Config, found: dict[str, list[int]]) -> dict[str, Walk]:
         with objective(study) as name:  # one that is read from samples is as exact as claims are measured on
             finely = accuracy if name == "efficiency" else confirm
             problem = FootProblem(scenes[sand], name, space, finely, config.engine.threads)
-            key = digest([context(problem), plain(space), plain(solver)])
+            key = digest([key_of(problem), plain(space), plain(solver)])
             if key not in found:
                 found[key] = [int(height) for height in search(problem, solver).foot.k or ()]
         return replace(Foot.from_waypoints(found[key], space), name=sand)
