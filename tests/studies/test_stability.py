@@ -113,3 +113,5 @@ class TestStudy:
         check_page(tmp_path / "out")
         assert "NO chatter" in done.stdout
         assert " ok " in done.stdout
+        assert not {"spiky soles", "sinking to the hip"} & {*done.stdout.split("  ")}  # stable with both
+        assert "2 of 3 cases" in done.stdout
