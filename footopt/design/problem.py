@@ -203,31 +203,25 @@ def whole(X: Any, problem: Problem) -> Ints:
     return np.clip(np.round(rows), problem.xl, problem.xu).astype(np.int64)
 
 
-class Known:
+class Known(dict[bytes, int]):
     """Designs by their heights, with their places in the order in which they were added."""
-
-    def __init__(self) -> None:
-        self._place: dict[bytes, int] = {}
 
     def places(self, k: Ints) -> Ints:
         """The place of each of some designs (designs, n), -1 where there is none."""
-        return np.array([self._place.get(key, -1) for key in _keys(k)], np.int64)
+        return np.array([self.get(key, -1) for key in _keys(k)], np.int64)
 
     def fresh(self, k: Ints) -> Ints:
         """The rows of those of some designs (designs, n) that are not known, each once, in their order."""
         first: dict[bytes, int] = {}
         for i, key in enumerate(_keys(k)):
-            if key not in self._place:
+            if key not in self:
                 first.setdefault(key, i)
         return np.array(list(first.values()), np.int64)
 
     def add(self, k: Ints) -> None:
         """Add designs (designs, n) that are `fresh`."""
         keys = _keys(k)
-        self._place.update(zip(keys, range(len(self), len(self) + len(keys)), strict=True))
-
-    def __len__(self) -> int:
-        return len(self._place)
+        self.update(zip(keys, range(len(self), len(self) + len(keys)), strict=True))
 
 
 def _keys(k: Ints) -> list[bytes]:

@@ -77,6 +77,7 @@ class RobustProblem(FootProblem):
             scenario.scene.need_heel_strike()
         super().__init__(scenarios[0].scene, objective, space, accuracy, threads, limits)
         self.scenarios = tuple(scenarios)
+        self.signs = np.array([MEASURES[name].sign for name in self.record])  # of values, when minimised
         self.measure, self.tail = measure, tail
         self.references = np.array(self._own_bests() if references is None else references, float)
         usable = np.isfinite(self.references) & (self.references != 0.0)
@@ -124,11 +125,6 @@ class RobustProblem(FootProblem):
         first = zip(failed.argmax(axis=0), reasons.T, strict=True)
         why = [f"{column[i]} ({self.scenarios[i].name})" if column[i] else "" for i, column in first]
         return total, np.array(why, dtype=np.str_)
-
-    @property
-    def signs(self) -> Array:
-        """1 for each recorded value that is minimised, and -1 for the others."""
-        return np.array([MEASURES[name].sign for name in self.record])
 
 
 class Race(RobustProblem):

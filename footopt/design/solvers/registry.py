@@ -21,6 +21,9 @@ SOLVERS: dict[str, Callable[[Solver, int], Any]] = {}
 #: Solvers of one objective; the others want two or more.
 SINGLE: list[str] = []
 
+#: Our own algorithms by name, as classes below this package.
+OWN = {"memetic": "memetic.Memetic", "archive": "memetic.Archive", EXHAUSTIVE: "exhaustive.Exhaustive"}
+
 #: Genetic algorithms of pymoo by name, as classes below `pymoo.algorithms`.
 GENETIC = {
     "ga": "soo.nonconvex.ga.GA",  # the paper's
@@ -149,7 +152,7 @@ class Solver:
             most = 1 if word.endswith("_prob") else 100
             good = is_number(value) and 0 <= value <= most
             check(good, f"solver.operators.{word}", value, f"a number from 0 to {most}")
-        return SOLVERS.get(name, of_pymoo)(self, n_obj)
+        return SOLVERS.get(name, by_class)(self, n_obj)
 
 
 def register(build: Callable[[Solver, int], Any], single: bool = False) -> Callable[[Solver, int], Any]:
@@ -169,11 +172,13 @@ def register(build: Callable[[Solver, int], Any], single: bool = False) -> Calla
     return build
 
 
-def of_pymoo(solver: Solver, n_obj: int) -> Any:
-    """An algorithm of pymoo; those of `GENETIC` have operators for whole numbers, or moves of runs."""
-    module, _, name = GENETIC.get(solver.name, solver.name).rpartition(".")
+def by_class(solver: Solver, n_obj: int) -> Any:
+    """One of `OWN`, or of pymoo's; those of `GENETIC` have operators for whole numbers, or moves of runs."""
+    solver = solver.fitting(n_obj)
+    home = __package__ if solver.name in OWN else "pymoo.algorithms"
+    module, _, name = (OWN | GENETIC).get(solver.name, solver.name).rpartition(".")
     try:
-        algorithm = getattr(import_module(f"pymoo.algorithms.{module}"), name)
+        algorithm = getattr(import_module(f"{home}.{module}"), name)
     except (ImportError, AttributeError) as error:
         raise SettingError("solver.name", solver.name, "a class of pymoo.algorithms", f"{error}") from None
     from pymoo.core.repair import NoRepair
@@ -181,7 +186,8 @@ def of_pymoo(solver: Solver, n_obj: int) -> Any:
     from footopt.design.solvers.operators import by_runs, operators, reference_directions
 
     takes = inspect.signature(algorithm).parameters
-    given: dict[str, Any] = {"pop_size": solver.size} if "pop_size" in takes else {}
+    size = solver.pop_size if solver.name in BEST else solver.size
+    given: dict[str, Any] = {"pop_size": size} if "pop_size" in takes else {}
     if "ref_dirs" in takes:
         given["ref_dirs"] = reference_directions(n_obj, solver.size)
     if solver.name not in GENETIC:
@@ -197,5 +203,5 @@ def grown(proposed: int) -> int:
     return min(max(int(SHARE * proposed), FIRST), MOST)
 
 
-SOLVERS |= dict.fromkeys(GENETIC, of_pymoo)
-SINGLE += ["ga"]
+SOLVERS |= dict.fromkeys([*OWN, *GENETIC], by_class)
+SINGLE += ["memetic", "ga"]
