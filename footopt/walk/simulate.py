@@ -131,7 +131,7 @@ def _evaluated(
     """`evaluate` at an accuracy that holds for all feet."""
     raw, reasons, evaluations, counts = scene.walk(feet, accuracy, threads, objectives)
     values = np.full((len(raw), len(objectives)), np.nan)
-    chosen, feasible = lookup(objectives, scene), reasons == ""
+    chosen, feasible = lookup(objectives), reasons == ""
     for column, o in enumerate(chosen):
         if o.of == "raw":
             values[:, column] = o.value(by_name(raw, scene.quantities), scene)

@@ -18,6 +18,7 @@ from pymoo.util.ref_dirs import get_reference_directions
 from searching import SMALL, assert_same, problem
 
 from footopt.design import search
+from footopt.design.fronts import nondominated
 from footopt.design.solvers import WALKS, Solver
 from footopt.design.solvers.memetic import Archive, Memetic
 from footopt.errors import SettingError
@@ -183,6 +184,29 @@ class Sphere(Problem):
     def _evaluate(self, x, out, *args, **kwargs):
         out["F"] = np.stack([((x - 4 - 2 * j) ** 2).sum(axis=1) for j in range(self.n_obj)], axis=1)
         out["G"] = x[:, 0] - 8.5
+
+
+def test_where_a_front_stalls_another_population_begins_and_later_joins_the_first():
+    """The optimum is the front of all designs throughout, and none is proposed twice."""
+    walked = []
+
+    class Noted(Sphere):
+        def _evaluate(self, x, out, *args, **kwargs):
+            super()._evaluate(x, out)
+            walked.append(np.column_stack([x, out["F"], out["G"]]))
+
+    algorithm, apart = Archive().setup(Noted(n_obj=2), termination=("n_eval", 4000), seed=1), []
+    while algorithm.has_next():
+        algorithm.next()
+        apart.append(algorithm.every is not algorithm.front)
+    changes = np.flatnonzero(np.diff(apart))
+    assert len(changes) >= 2
+    assert not apart[0]
+    designs = np.concatenate(walked)
+    assert len(np.unique(designs[:, :6], axis=0)) == len(designs)
+    f = designs[designs[:, 8] <= 0, 6:8]
+    best = {tuple(point) for point in f[nondominated(f)]}
+    assert best == {tuple(point) for point in algorithm.opt.get("F")}
 
 
 OURS = pytest.mark.parametrize(("kind", "n_obj"), [(Memetic, 1), (Archive, 2)])

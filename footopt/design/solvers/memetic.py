@@ -266,7 +266,7 @@ class Archive(Moves):
             return ends
         near = (X[:, None] + shifts(X.shape[1])).reshape(-1, X.shape[1])
         X = self._fresh(self.random_state.permutation(near)[: 3 * CHILDREN])
-        best = np.argsort(-self._promise(X), kind="stable") if len(X) else np.empty(0, np.int64)
+        best = np.argsort(-self._promise(X), kind="stable")
         return np.concatenate([ends, self._new(X[best[: max(size // 4, 1)]])])
 
     def _ends(self, count: int) -> Ints:
@@ -276,8 +276,6 @@ class Archive(Moves):
         one, other = (best[draw.integers(len(best), size=CHILDREN)] for _ in range(2))
         crossed = draw.random(CHILDREN) < CROSSED
         children = self._fresh(shifted(np.where(crossed[:, None], exchanged(one, other, draw), one), draw))
-        if not len(children):
-            return children
         order = np.argsort(self._expected(children)[0][:, by], kind="stable")
         return self._new(children[order[:count]])
 
