@@ -41,6 +41,7 @@ class Audit(NamedTuple):
     effect: Effect
     changes: Array  # (FIVE,), relative, not exceeded by 95 % of the feet; NaN if no foot walks in both
     shifts: Array  # (FIVE,), the median change with its sign
+    gain: float  # the median ratio of J_W with it to J_W without
     kendall_tau: float  # Kendall's, of J_W over the feet without and with it: 1 is the same ranking
     walks_lost: int  # feet that walk without it and fail with it
     time_ratio: float  # time of a walk with it over that without it
@@ -106,22 +107,24 @@ def run(study: Study) -> None:
             "audit": [a.entry | {"accuracy": own} for a, own in zip(found, walked, strict=True)],
             "called_for": sorted(name_of(a.effect) for a in found if a.matters),
         },
-        summary=[a.verdict for a in found],
+        summary=[
+            "+ or -: the median's sign; tau: how alike both rank the feet, 1 if the same; time: of a walk",
+            *(a.verdict for a in found),
+        ],
     )
 
 
 def table(found: Sequence[Audit]) -> Table:
     """Audits for the terminal: changes with the sign of their median."""
     shown = terminal.table(
-        ("effect", *(n.replace("_", " ") for n in FIVE), "tau", "time"),
+        ("effect", "J_W", *(n.replace("_", " ") for n in FIVE), "tau", "time"),
         words=("effect",),
-        title="change that 95 % of the feet do not exceed (%), + or -: the median's sign; tau: how alike "
-        "both rank the feet, 1 if the same; time: of a walk",
+        title="J_W of the median foot, x without the effect; changes of 95 % of the feet (%)",
     )
     for a in found:
         pairs = zip(a.changes, a.shifts, strict=True)
         cells = [f"{'+' if way > 0 else '-'}{percent(size).removesuffix(' %')}" for size, way in pairs]
-        shown.add_row(a.name, *cells, f"{a.kendall_tau:.2f}", f"x {a.time_ratio:.2f}")
+        shown.add_row(a.name, f"x {a.gain:.2f}", *cells, f"{a.kendall_tau:.2f}", f"x {a.time_ratio:.2f}")
     return shown
 
 
@@ -157,6 +160,7 @@ def audit(
         effect=effect,
         changes=np.percentile(np.abs(change), QUANTILE, axis=0) if len(change) else none,
         shifts=np.median(change, axis=0) if len(change) else none,
+        gain=float(np.median(ranked[1] / ranked[0])) if both.any() else np.nan,
         kendall_tau=kendalltau(*ranked).statistic if both.sum() > 1 else np.nan,
         walks_lost=int((without.feasible & ~with_.feasible).sum()),
         time_ratio=statistics.median(ratios),

@@ -1,6 +1,7 @@
 """The effect audit: what an effect changes in a scene, and whether that matters."""
 
 import numpy as np
+import pytest
 
 import footopt as fo
 from footopt.effects import EFFECTS
@@ -20,6 +21,8 @@ def test_an_effect_that_acts_is_kept_and_says_what_it_changes():
     without = fo.evaluate(FEET, fo.Scene(), "draft").values
     expected = np.percentile(np.abs(with_ / without - 1.0), 95.0, axis=0)
     np.testing.assert_allclose(found.changes, expected)
+    distance, height, *costs = (with_ / without).T
+    assert found.gain == pytest.approx(np.median(distance * height / np.prod(costs, axis=0)))
 
 
 def test_the_effect_takes_the_place_of_one_of_its_kind():
