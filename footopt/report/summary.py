@@ -26,7 +26,7 @@ from footopt.report.figures.search import scatter_matrix
 from footopt.report.numbers import number, percent
 from footopt.report.page.file import column, packed
 from footopt.report.style import save
-from footopt.report.terminal import console, span, table
+from footopt.report.terminal import console, doubtful, span, table
 
 ROOM, COLUMN, RANGE = 26, 10, 16  # letters of its first and last column, and of each between
 SEED = "solver.seed"
@@ -52,10 +52,20 @@ class Row:
         return {name: math.nan if value is None else float(value) for name, value in found.items()}
 
     @property
+    def gains(self) -> list[float]:
+        """Relative changes of J_W from the flat foot's under each law of sand, the scene's own first."""
+        found = [law["change"].get("efficiency") for law in self.result.get("laws", [])]
+        return [math.nan if gain is None else float(gain) for gain in found]
+
+    @property
     def under_laws(self) -> str:
-        """J_W under the other laws of sand, as multiples of the flat foot's; "" where none was evaluated."""
-        gains = [law["change"].get("efficiency") for law in self.result.get("laws", [])[1:]]
-        return span("efficiency", [math.nan if gain is None else gain for gain in gains]) if gains else ""
+        """J_W under the other laws, as multiples of the flat foot's; "" where none was evaluated."""
+        return span("efficiency", self.gains[1:]) if self.gains[1:] else ""
+
+    @property
+    def doubt(self) -> str:
+        """Says so where another law turns the sign of the gain."""
+        return doubtful(self.gains[0], self.gains[1:]) if self.gains else ""
 
 
 def read(folder: Path) -> Row:
@@ -181,6 +191,8 @@ def _print_table(folder: Path, runs: Sequence[Row], labels: Sequence[str]) -> No
         hollow = run.result.get("design", {}).get("hollow_mm", math.nan)
         shown.add_row(label, *map(number, row), *[run.under_laws or "-" for _ in laws], number(hollow))
     out.print(shown)
+    if doubted := [label for label, run in zip(labels, runs, strict=True) if run.doubt]:
+        out.print(f"J_W against the flat foot, sign not certain: {'; '.join(doubted)}", soft_wrap=True)
     sought = {name for i in done for name in runs[i].result.get("objective_names", [])}
     if len(done) > 1 and len(sought) == 1 and columns and np.isfinite(values[:, 0]).any():
         best = int(np.nanargmax(values[:, 0] if columns[0]["maximise"] else -values[:, 0]))
@@ -235,7 +247,7 @@ def runs_content(
                 "name": name,
                 "settings": overrides[i],
                 "note": run.note,
-                "laws": run.under_laws,
+                "laws": ", ".join(filter(None, [run.under_laws, run.doubt])),
                 "design": done.index(i) if i in done else None,
                 "link": quote(Path(os.path.relpath(run.folder, folder), "report.html").as_posix())
                 if (run.folder / "report.html").is_file()

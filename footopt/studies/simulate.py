@@ -66,7 +66,7 @@ def run(study: Study) -> Any:
     if not walk.feasible:
         study.say(Text(f"The walk failed: {walk.reason} after {len(walk.t)} steps of time.", style="yellow"))
     others = None if flat is walk else base
-    study.say(terminal.objective_table("this sole", values, others, entry["error_estimate"]))
+    study.say(terminal.objective_table("sole", values, others, entry["error_estimate"]))
     terminal.print_validity(study.console, diagnostics)
     study.close()
     return values

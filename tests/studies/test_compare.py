@@ -64,8 +64,10 @@ def test_the_gain_of_a_search_has_its_range_over_the_other_laws(runs, capsys):
     result["laws"] = [{"law": law, "loss": 0.0, "change": {"efficiency": g}} for law, g in gains.items()]
     path.write_text(json.dumps(result))
     compare(runs / "here", f"{runs}/old/[ab]")
-    assert capsys.readouterr().out.count("x 0.90 to 1.50") == 1
-    assert (runs / "here" / "report.html").read_text().count('"laws":"x 0.90 to 1.50"') == 1
+    said = capsys.readouterr().out
+    assert said.count("x 0.90 to 1.50") == 1
+    assert "sign not certain: a: " in said
+    assert (runs / "here" / "report.html").read_text().count('"laws":"x 0.90 to 1.50, sign not certain"') == 1
 
 
 def test_a_multirun_stands_for_its_jobs_in_their_order(runs):
