@@ -65,6 +65,8 @@ def translate(error: BaseException, overrides: Sequence[str]) -> FootoptError | 
         own = next((name for name in names if name.startswith(f"{group}.") and name != f"{group}.name"), "")
         is_number = own and choice.lstrip("-")[:1].isdigit()
         hint = f"A number needs its name, such as {own}={choice}." if is_number else ""
+        if group == "solver":
+            hint = "Any other one of pymoo goes by its class, such as solver.name=soo.nonconvex.de.DE."
         return SettingError(group, choice, f"one of {', '.join(groups().get(group, []))}", hint)
     # footopt snad=soft; footopt study=compare sand=soft; footopt effects.slope.angle=4, without effects=slope
     if isinstance(cause, (ConfigAttributeError, ConfigKeyError)) and key:
