@@ -81,7 +81,7 @@ def outside(figure):
 BESTS = [(10, np.nan), (20, -2.0), (30, -2.5), (40, -4.0)]
 HISTORY = [SimpleNamespace(evaluations=n, best=b, median=b + 1.0, hypervolume=np.nan) for n, b in BESTS]
 PROBLEM = SimpleNamespace(names=("efficiency",), accuracy=fo.Accuracy())
-SEARCH = SimpleNamespace(history=HISTORY, problem=PROBLEM)
+SEARCH = SimpleNamespace(history=HISTORY, problem=PROBLEM, solver=SimpleNamespace(name="memetic"))
 
 #: How to draw each figure from walks by name and a table of objectives.
 FIGURES = {

@@ -46,7 +46,9 @@ def draw_convergence(axes: Axes, result: Any, base: float | None = None) -> None
     # a best value holds until a better one is found
     axes.plot(evaluations, best / scale, color=style.BEST, ds="steps-post", zorder=3, label="best so far")
     if np.isfinite(median).any():
-        axes.plot(evaluations, median / scale, color=style.FLAT, ls="--", label="median of a generation")
+        restarts = ", low after a restart" * (result.solver.name == "memetic")
+        name = f"median of a generation{restarts}"
+        axes.plot(evaluations, median / scale, color=style.FLAT, ls="--", label=name)
     accuracy = result.problem.accuracy.name
     axes.set(xlabel=f"evaluations, at accuracy {accuracy}", ylabel=textwrap.fill(label, 32))
     axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))

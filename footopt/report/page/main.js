@@ -193,7 +193,7 @@ function searchSection() {
     if (Number.isFinite(last)) a.svg.append(svg("circle", { cx: a.X(at.at(-1)), cy: a.Y(last), r: 3.5, fill: "var(--best)" }));
   };
   const section = el("section", { id: "search" }, el("h2", {}, "The search"),
-    several ? null : legend([{ name: `best so far, at accuracy ${entry.search_accuracy?.name ?? entry.accuracy?.name}`, ...looks.best }, { name: "median of the generation", ...looks.median }]),
+    several ? null : legend([{ name: `best so far, at accuracy ${entry.search_accuracy?.name ?? entry.accuracy?.name}`, ...looks.best }, { name: `median of the generation${entry.solver?.name === "memetic" ? ", low after a restart" : ""}`, ...looks.median }]),
     el("figure", {}, holder),
     folded("The search as a table", () => table(["evaluations", ...(several ? ["hypervolume", "front"] : [`best ${named(ranking)}`, "median"])],
       data.history.map((r) => [r.evaluations, number(several ? r.best : ranking.show(r.best)), several ? r.front : number(ranking.show(r.median))].map(String)))));
