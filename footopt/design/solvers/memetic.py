@@ -30,7 +30,8 @@ REMEMBERED = 10_000  # parents of several objectives, at most
 WORSE = 1e100  # than any value, for a model of ranks: an infeasible design, the more it violates
 FEW = 100  # parents of several objectives
 ENDS = 0.2  # share of a generation that goes for the best by one of several objectives alone
-WATCHED, STALLED = 500, 0.05  # a front stalls if of so many designs a smaller share is on it
+WATCHED, STALLED = 500, 0.05  # a front stalls if of so many designs a smaller share is well ahead of it
+AHEAD = 0.01  # of its ranges, by some objective for each of its designs
 FREE = 2 / 3  # share of their children that no model chooses, of a front up to FEW
 
 
@@ -214,23 +215,29 @@ class Archive(Moves):
 
     The others of `FEW` parents, or of a larger front those, are whom NSGA-II would let survive (Deb et al.
     2002). A model does not see where a rugged front goes on: of a small one it chooses the fewer children.
-    A front that stalls may be a local one: another population begins without knowing it, and goes on
-    with both fronts once its own stalls.
+    A front that stalls may be a local one: another population begins without it, and later joins both.
     """
 
     def __init__(self, pop_size: int | None = None, **kwargs: Any) -> None:
         super().__init__(pop_size, **kwargs)
         self.before: Memory  # what the populations before have evaluated
-        self.seen, self.added = 0, 0  # designs since the last look at the front, and those of them on it
+        self.seen, self.ahead = 0, 0  # designs since the last look, and those of them well ahead of the front
 
     def _advance(self, infills: Any = None, told: Any = None, **kwargs: Any) -> None:
-        alone = self.every is self.front
+        alone, before = self.every is self.front, self.front.F
         self.front, added = self.front.front_with(told)
+        self.seen, self.ahead = self.seen + len(told.X), self.ahead + self._ahead(before, added)
         if len(self.front.X) > REMEMBERED:
             self.front = self._least_crowded(REMEMBERED // 2)
         self.every = self.front if alone else self.every.front_with(told)[0]
-        self.seen, self.added = self.seen + len(told.X), self.added + added
         self._go_on_with(self._least_crowded(FEW) if len(self.front.X) > FEW else self._survivors(told))
+
+    def _ahead(self, before: Array, added: int) -> int:
+        """How many of the newest designs of the front are well ahead of the front before."""
+        F, span = self.front.F, np.ptp(self.front.F, axis=0)
+        span = np.where(span > 0.0, span, 1.0)
+        leads = [((before - new) / span).max(axis=1).min(initial=np.inf) for new in F[len(F) - added :]]
+        return int((np.array(leads) > AHEAD).sum())
 
     def _survivors(self, told: Pool) -> Pool:
         """Those of the parents and of new designs whom NSGA-II would let survive."""
@@ -255,7 +262,7 @@ class Archive(Moves):
     def _propose(self, size: int) -> Ints:
         """A part for the ends of the front; of a small one in a quarter the neighbours of most promise."""
         if self.seen >= WATCHED:
-            stalled, self.seen, self.added = self.added < STALLED * self.seen, 0, 0
+            stalled, self.seen, self.ahead = self.ahead < STALLED * self.seen, 0, 0
             if stalled and len(drawn := self._restart(size)):
                 return drawn
         if self.memory.told < LEARNT:
