@@ -85,22 +85,10 @@ class Found(NamedTuple):
 def numerics(
     accuracy: AnyAccuracy, simulator: Simulator, feet: Waypoints | Foot | Sequence[Foot]
 ) -> Accuracy:
-    """The numbers with which feet walk.
+    """The numbers with which feet walk, the same for all of them; numbers are taken as they are.
 
-    Parameters
-    ----------
-    accuracy : Accuracy or Tolerance
-        Numbers, which are taken as they are, or a tolerance.
-    simulator : Simulator
-        What walks.
-    feet : Waypoints, Foot, or sequence of Foot
-        A space, whose probes are random soles; or soles, of which up to ten are the probes. Feet that are
-        all of one space have the space's.
-
-    Returns
-    -------
-    Accuracy
-        The same for all of them.
+    The probes of a space are random soles, those of feet up to ten of them. Feet that are all of one space
+    have the space's.
     """
     if isinstance(accuracy, Accuracy):
         return accuracy
@@ -214,20 +202,11 @@ def climb(
     most: float = math.inf,
     deep: Rung | None = None,
 ) -> Found:
-    """Climb a ladder.
+    """Climb a ladder until the relative error of the worst objective is within a tolerance.
 
-    Parameters
-    ----------
-    walk : callable
-        The probes' objectives (probes, objectives) on a rung, and the work of a walk.
-    top : Rung
-        The finest of each side.
-    tolerance : float
-        The relative error of the worst objective.
-    most : float
-        Walks with the numbers that are found, in whose work they are to be found.
-    deep : Rung, optional
-        How much finer a walk is that has to agree in the end.
+    walk: to the probes' objectives (probes, objectives) on a rung, and the work of a walk. top: the finest
+    rung. most: walks with the numbers that are found, in whose work they are to be found. deep: how much
+    finer a walk is that has to agree in the end, or None.
     """
     walked: dict[Rung, tuple[Array, float]] = {}
     passed: list[Found] = []

@@ -72,14 +72,8 @@ def error_of(walk: Walk, names: Sequence[str] | None = None) -> dict[str, float]
 def resolution(walk: Walk, errors: Mapping[str, float]) -> list[Diagnostic]:
     """Whether a walk's worst error estimate is far above what its accuracy promises; empty if it is not.
 
-    Where it is above `BEYOND` times the promise, a walk for each cause finds out what causes it.
-
-    Parameters
-    ----------
-    walk : Walk
-        One that succeeded; another has none.
-    errors : mapping of str to float
-        Its error estimates, from `estimate_error`.
+    Where one of its `errors`, from `estimate_error`, is above `BEYOND` times the promise, a walk for each
+    cause finds out what causes it. A walk that failed has none.
     """
     values = walk.objectives
     size = dict(zip(FIVE, sizes(np.array([values[name] for name in FIVE]), walk.scene), strict=True))
