@@ -18,6 +18,6 @@ def test_the_page_is_that_of_the_program():
 
 
 def test_every_setting_has_a_meaning_but_effects_without_parameters():
-    bare = {f"effects.{name}" for name in EFFECTS}
+    bare, page = {f"effects.{name}" for name in EFFECTS}, REFERENCE["page"]()
     assert [s.name for s in known().values() if not s.described[1] and s.name not in bare] == []
-    assert all(f"`{name}`" in REFERENCE["page"]() for name in {*known()} - bare)
+    assert all(f"`{name}`" in page for name in {*known()} - bare)
