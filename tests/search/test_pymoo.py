@@ -186,6 +186,7 @@ class Sphere(Problem):
         out["G"] = x[:, 0] - 8.5
 
 
+@pytest.mark.slow
 def test_where_a_front_stalls_another_population_begins_and_later_joins_the_first():
     """The optimum is the front of all designs throughout, and none is proposed twice."""
     walked = []

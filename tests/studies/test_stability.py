@@ -25,7 +25,8 @@ FINE = {
     "a comb of 200 waypoints": fo.Accuracy(dt=1e-3, plates=19900, creep=1e-5),
 }
 STANDS = Measure("truth", 0.0, 0.05)
-LONG = [n for n, case in BY_NAME.items() if "effects" in case.changes or n.startswith("a minute of")]
+SLOW = ("a minute of", "a comb of")
+LONG = [name for name, case in BY_NAME.items() if "effects" in case.changes or name.startswith(SLOW)]
 
 
 @pytest.fixture(scope="module")
