@@ -14,7 +14,6 @@ from footopt.studies import not_read, studies_that_read
 from footopt.studies.settings import known
 
 MORE = "`footopt --help` lists all settings."
-
 NO_NAME = re.compile(r"\[?[-.\d]|(null|true|false)$")  # values that no choice of a group has
 
 #: Parts of OmegaConf's errors of types, and what is allowed instead.
@@ -63,10 +62,9 @@ def translate(error: BaseException, overrides: Sequence[str]) -> FootoptError | 
         return SettingError(name, value, "one value", hint)
     if group:  # footopt sand=mud
         own = next((name for name in names if name.startswith(f"{group}.") and name != f"{group}.name"), "")
-        is_number = own and choice.lstrip("-")[:1].isdigit()
-        hint = f"A number needs its name, such as {own}={choice}." if is_number else ""
-        if group == "solver":
-            hint = "Any other one of pymoo goes by its class, such as solver.name=soo.nonconvex.de.DE."
+        hint = "Others of pymoo go by class: solver.name=soo.nonconvex.de.DE" if group == "solver" else ""
+        if own and choice.lstrip("-")[:1].isdigit():
+            hint = f"A number needs its name, such as {own}={choice}."
         return SettingError(group, choice, f"one of {', '.join(groups().get(group, []))}", hint)
     # footopt snad=soft; footopt study=compare sand=soft; footopt effects.slope.angle=4, without effects=slope
     if isinstance(cause, (ConfigAttributeError, ConfigKeyError)) and key:
