@@ -60,12 +60,14 @@ class Fourier(NamedTuple):
         a0, *ab = map(float, solution)
         return cls(a0, tuple(ab[:harmonics]), tuple(ab[harmonics:]))
 
-    def at(self, phase: Array) -> tuple[Array, Array]:
-        """Angle (rad) and its derivative in the phase (rad per stride)."""
-        value, rate = np.full_like(phase, self.a0), np.zeros_like(phase)
-        for k, (a, b) in enumerate(zip(self.a, self.b, strict=True), start=1):
-            w = 2.0 * np.pi * k
-            c, s = np.cos(w * phase), np.sin(w * phase)
+    def at(self, phase: Array, waves: list[tuple[float, Array, Array]] | None = None) -> tuple[Array, Array]:
+        """Angle (rad) and its derivative in the phase (rad per stride); `waves` keep what series share."""
+        value, rate, kept = np.full_like(phase, self.a0), np.zeros_like(phase), [] if waves is None else waves
+        for k, (a, b) in enumerate(zip(self.a, self.b, strict=True)):
+            if k == len(kept):
+                w = 2.0 * np.pi * (k + 1)
+                kept.append((w, np.cos(w * phase), np.sin(w * phase)))
+            w, c, s = kept[k]
             value += a * c + b * s
             rate += w * (b * c - a * s)
         return np.radians(value), np.radians(rate)
@@ -167,11 +169,11 @@ class Gait:
 
     def cycle(self, phase: ArrayLike) -> tuple[Angle, Angle, Angle]:
         """Thigh, shank and pitch of the steady walk: each an angle (rad) and its rate (rad/stride)."""
-        p = np.asarray(phase, float)
-        (thigh, thigh_rate), (knee, knee_rate) = self.thigh.at(p), self.knee.at(p)
+        p, waves = np.asarray(phase, float), list[tuple[float, Array, Array]]()
+        (thigh, thigh_rate), (knee, knee_rate) = self.thigh.at(p, waves), self.knee.at(p, waves)
         shank = thigh - knee, thigh_rate - knee_rate
         if self.pitch == "measured" and self.foot is not None:
-            return (thigh, thigh_rate), shank, self.foot.at(p)
+            return (thigh, thigh_rate), shank, self.foot.at(p, waves)
         return (thigh, thigh_rate), shank, shank
 
     def angles(self, t: ArrayLike) -> tuple[Angle, Angle, Angle]:
