@@ -121,7 +121,7 @@ class Store:
         marks = ", ".join("?" * len(self._read_from))
         query = f"SELECT k, record, reason FROM design WHERE context IN ({marks}) "
         query += "AND k IN (SELECT value FROM json_each(?)) ORDER BY context = ?"  # its own last: they count
-        keys = [canonical(heights) for heights in k.tolist()]
+        keys = _texts(k)
         with self._explained() as connection:
             rows = connection.execute(query, (*self._read_from, canonical(keys), self._id))
             known = {key: (json.loads(record), reason) for key, record, reason in rows}
@@ -131,8 +131,7 @@ class Store:
 
     def add(self, k: Ints, values: Array, reasons: Words) -> None:
         """Keep designs, all or none; what is known stays, unless its walk had raised an exception."""
-        each = zip(k.tolist(), values, reasons.tolist(), strict=True)
-        rows = [(self._id, canonical(heights), _written(record), reason) for heights, record, reason in each]
+        rows = [(self._id, *one) for one in zip(_texts(k), _texts(values), reasons.tolist(), strict=True)]
         with self._explained() as connection, _transaction(connection):
             connection.executemany(ADD, rows)
 
@@ -227,9 +226,12 @@ def _transaction(connection: sqlite3.Connection) -> Iterator[None]:
         yield
 
 
-def _written(values: Array) -> str:
-    """Numbers as JSON with all their digits, as SQLite reads it, too: null for NaN."""
-    return canonical(np.asarray(values, float).tolist()).replace("NaN", "null").replace("Infinity", "9e999")
+def _texts(rows: Array | Ints) -> list[str]:
+    """Rows of numbers as JSON with all their digits, as SQLite reads it, too: null for NaN."""
+    if not len(rows):
+        return []
+    text = canonical(rows.tolist()).replace("NaN", "null").replace("Infinity", "9e999")
+    return [f"[{row}]" for row in text[2:-2].split("],[")]
 
 
 def key_of(problem: FootProblem) -> dict[str, Any]:

@@ -179,11 +179,18 @@ def json_text(content: dict[str, Any]) -> str:
 
 def write_csv(path: Path, table: Any) -> None:
     """Write a pandas DataFrame, or columns by name; truth values become 0 and 1, a NaN an empty cell."""
-    columns = [np.asarray(table[name], dtype=object).tolist() for name in table]
+    columns = [_cells(table[name]) for name in table]
     with write_whole(path) as new, open(new, "w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(table)
-        writer.writerows([map(_cell, row) for row in zip(*columns, strict=True)])
+        writer.writerows(zip(*columns, strict=True))
+
+
+def _cells(column: Any) -> list[Any]:
+    """A column as it is written."""
+    if isinstance(column, np.ndarray) and column.dtype.kind in "iufU" and (column == column).all():
+        return list(column.tolist())
+    return [_cell(value) for value in np.asarray(column, dtype=object).tolist()]
 
 
 def _cell(value: Any) -> Any:
