@@ -21,7 +21,6 @@ from omegaconf import OmegaConf
 
 from footopt.cli import main as cli
 from footopt.cli.compose import CONF, register, resolved
-from footopt.studies.settings import structured
 
 LIMIT = 300  # s, for a process
 
@@ -43,7 +42,7 @@ def composed(*overrides):
     """The settings that a command line composes."""
     register(overrides)
     with initialize_config_dir(str(CONF), version_base="1.3"):
-        return OmegaConf.to_object(structured(resolved(compose("config", list(overrides)), overrides)))
+        return OmegaConf.to_object(resolved(compose("config", list(overrides)), overrides))
 
 
 def footopt(*arguments, cwd):

@@ -74,8 +74,8 @@ def task_overrides(here: Any, kind: str = "task") -> list[str]:
     return list(overrides)
 
 
-def resolved(settings: Any, overrides: Sequence[str], config: str = "config") -> dict[str, Any]:
-    """The settings that Hydra composed as plain data; with study=simulate run=FOLDER in that run's world.
+def resolved(settings: Any, overrides: Sequence[str], config: str = "config") -> Any:
+    """The settings that Hydra composed, `structured`; with study=simulate run=FOLDER in that run's world.
 
     `overrides` are those of the command line, `config` is the file that they begin with.
     """
@@ -86,5 +86,4 @@ def resolved(settings: Any, overrides: Sequence[str], config: str = "config") ->
     if plain["study"]["name"] == "simulate" and plain["study"]["run"] is not None:
         default: Any = OmegaConf.to_container(compose(config, ["study=simulate"]), resolve=True)
         plain = in_world_of_run(plain, default, [one.lstrip("+").partition("=")[0] for one in overrides])
-    found: Any = OmegaConf.to_container(structured(plain))
-    return dict(found)
+    return structured(plain)  # refuses what + has added

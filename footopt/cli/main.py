@@ -139,14 +139,14 @@ def _jobs(config: DictConfig, name: str) -> Iterator[tuple[str, DictConfig, list
         yield str(OmegaConf.select(settings, "hydra.sweep.subdir")), settings, overrides
 
 
-def execute(settings: Mapping[str, Any], folder: Path, given: Sequence[str], resumed: bool = False) -> Any:
-    """Run the study of some resolved settings in a folder: see `footopt.studies.run_study`.
+def execute(settings: DictConfig, folder: Path, given: Sequence[str], resumed: bool = False) -> Any:
+    """Run the study of structured settings in a folder: see `footopt.studies.run_study`.
 
     A run that is stopped, or loses its workers, says how to go on.
     """
     hint = f"; go on with: footopt resume={shlex.quote(str(folder))}"
     try:
-        config: Any = OmegaConf.to_object(structured(settings))  # refuses what + has added
+        config: Any = OmegaConf.to_object(settings)
         return run_study(config, folder, absolute(settings), given, resumed)
     except EngineError as error:
         raise FootoptError(f"{error} All finished generations are in the store{hint}") from None
@@ -195,8 +195,8 @@ def run(overrides: Sequence[str] = (), folder: str | Path | None = None) -> Run:
         with initialize_config_dir(str(CONF), version_base="1.3"):
             settings = compose("config", words, return_hydra_config=True)
             there = Path(folder or settings.hydra.run.dir).expanduser().absolute()
-            plain = resolved(settings, given)
-        execute(plain, there, [one for one in words if not one.startswith("hydra.")])
+            found = resolved(settings, given)
+        execute(found, there, [one for one in words if not one.startswith("hydra.")])
     except Exception as error:
         if there and not folder:
             remove_empty_run(there, given)
@@ -274,4 +274,4 @@ def _resume_run(folder: Path, changes: Mapping[str, Any], given: Sequence[str]) 
     overrides = [one for one in given if "=" in one and not one.startswith("resume=")]
     replaced = [one.partition("=")[0] for one in overrides]
     kept = [one for one in run.overrides if not within(one.partition("=")[0], replaced)]
-    execute(plain, folder, [*kept, *overrides], resumed=True)
+    execute(settings, folder, [*kept, *overrides], resumed=True)

@@ -6,7 +6,7 @@ from dataclasses import asdict, fields, replace
 from pathlib import Path
 from typing import Any
 
-from omegaconf import OmegaConf
+from omegaconf import DictConfig, OmegaConf
 
 from footopt.design import Choice, FootProblem
 from footopt.effects import EFFECTS, Effect
@@ -48,8 +48,8 @@ from footopt.walk.accuracy import PRESETS, AnyAccuracy, Tolerance
 GROUPS = tuple(field.name for field in fields(Config))
 
 
-def absolute(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """The settings with files where they are, whatever folder they are read from later."""
+def absolute(settings: DictConfig) -> dict[str, Any]:
+    """The settings as plain data, with files where they are, whatever folder they are read from later."""
 
     def locate(name: str, value: Any) -> Any:
         if isinstance(value, Mapping):
@@ -60,7 +60,7 @@ def absolute(settings: Mapping[str, Any]) -> dict[str, Any]:
         is_file = value and name in PATHS and not module
         return os.path.abspath(os.path.expanduser(value)) if is_file else value
 
-    return dict(locate("", settings))
+    return dict(locate("", OmegaConf.to_container(settings, resolve=True)))
 
 
 def load_plugins(plugins: Sequence[str]) -> None:
