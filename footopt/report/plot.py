@@ -58,7 +58,7 @@ def plot(thing: object, what: str | None = None, ax: Axes | None = None) -> Axes
         ax = figure.add_subplot(axes_class=Panel)
         _draw(ax, found[name], thing)
         fit_height(figure, [ax])
-        figure.draw_without_rendering()  # a second pass of the layout, after which nothing moves
+        figure.set_layout_engine("constrained")  # for what the caller adds
     return ax
 
 

@@ -14,6 +14,7 @@ from typing import Any
 
 import matplotlib
 from matplotlib import rc_params_from_file
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from footopt.errors import check
@@ -67,7 +68,9 @@ def styled() -> Iterator[None]:
 
 def new_figure(width: float, height: float) -> Figure:
     """An empty figure (inches), laid out at its picture's resolution: formulas are parsed once for both."""
-    return Figure(figsize=(width, height), dpi=DPI, layout="constrained")
+    figure = Figure(figsize=(width, height), dpi=DPI, layout="constrained")
+    FigureCanvasAgg(figure)  # with another canvas its picture would have a renderer of its own
+    return figure
 
 
 def lay_out(figure: Figure) -> None:
@@ -77,19 +80,23 @@ def lay_out(figure: Figure) -> None:
 
 
 def fit_height(figure: Figure, column: Sequence[Axes]) -> None:
-    """Make a figure as high as the axes of its first column need at equal scales and full width."""
+    """Make a figure as high as the axes of its first column need at equal scales and full width.
+
+    That is its layout: to lay out axes with equal scales leaves no room for the labels of those that shrink.
+    """
     equal = [axes for axes in figure.axes if axes.get_aspect() == 1.0]
     for axes in equal:
-        axes.set_aspect("auto")  # the layout leaves no room for the labels of axes that shrink
+        axes.set_aspect("auto")
     lay_out(figure)
     more = 0.0
     for axes in (axes for axes in column if axes in equal):
         box, (left, right), (low, high) = axes.get_window_extent(), axes.get_xlim(), axes.get_ylim()
         more += box.width * (high - low) / (right - left) - box.height
     figure.set_figheight(figure.get_figheight() + more / figure.dpi)
+    lay_out(figure)
     for axes in equal:
         axes.set_aspect("equal")
-    lay_out(figure)
+    figure.set_layout_engine("none")
 
 
 @styled()
