@@ -10,7 +10,7 @@ def main() -> None:
     """Load the command line and run it."""
     if "--version" in sys.argv[1:]:
         return print(f"footopt {__version__}")
-    gc.set_threshold(100_000, 50, 50)  # a run makes few cycles: to look for them took a tenth of its time
+    gc.set_threshold(500_000, 50, 50)  # a run makes few cycles: to look for them took a tenth of its time
     from footopt.cli.main import main as run
 
     run()
