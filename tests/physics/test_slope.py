@@ -24,7 +24,8 @@ class TestSlope:
 
         def distance(angle):
             scene = replace(regular, effects=(Slope(angle),))
-            return fo.simulate(ramp_foot, scene, "fine").objectives["distance"]
+            accuracy = fo.Accuracy(dt=2e-3, plates=200, creep=2e-5, control=1e-4)
+            return fo.simulate(ramp_foot, scene, accuracy).objectives["distance"]
 
         level, shares = distance(0.0), []
         for angle in (1.0, 2.0):

@@ -89,7 +89,7 @@ def test_what_is_asked_for_does_not_depend_on_the_number_of_threads_of_sums():
     asked = []
     for threads in (1, 2):
         with threadpool_limits(threads, "blas"):
-            minimize(p := Ridge(), Memetic(), ("n_gen", 35), seed=1)
+            minimize(p := Ridge(), Memetic(), ("n_gen", 30), seed=1)
         asked.append(p.asked)
     assert asked[0] == asked[1]
     assert len(asked[0]) > 300

@@ -16,6 +16,7 @@ from footopt.walk.ladder import numerics
 from footopt.walk.resolution import resolution
 
 BY_NAME = {case.name: case for case in CASES}
+BY_NAME["ten times the gravity"] = replace(BY_NAME["gravity 1e4"], changes={"walker.g": 98.1})
 PAN, NOISE = "a hard pan under soft sand", "a noisy contour of 5000 points"
 BEYOND = (PAN, NOISE, "1 mg")  # more than plates or steps of `standard` resolve
 #: Fine numbers that no truth comes to: steps of one length, chords that begin and end at the noise's points.
@@ -25,7 +26,7 @@ FINE = {
     "a comb of 200 waypoints": fo.Accuracy(dt=1e-3, plates=19900, creep=1e-5),
 }
 STANDS = Measure("truth", 0.0, 0.05)
-SLOW = ("a minute of", "a comb of")
+SLOW = ("a minute of", "a comb of", "gravity")
 LONG = [name for name, case in BY_NAME.items() if "effects" in case.changes or name.startswith(SLOW)]
 
 

@@ -63,15 +63,15 @@ def hard_scenes(draw):
     return fo.Foot.from_waypoints(heights), scene
 
 
-def finite_or_infeasible_with_a_reason(foot, scene):
-    table = fo.evaluate([foot], scene)
+def finite_or_infeasible_with_a_reason(foot, scene, accuracy):
+    table = fo.evaluate([foot], scene, accuracy)
     if table.feasible[0]:
         assert np.isfinite(table.values).all()
         assert (table.column("work") >= 0).all()
     else:
         assert table.reasons[0] in ("sunk", "backward", "diverged")
         assert np.isnan(table.values).all()
-    walk = fo.simulate(foot, scene)
+    walk = fo.simulate(foot, scene, accuracy)
     assert walk.reason == table.reasons[0]
     assert np.isfinite(walk.force).all()
     assert np.isfinite(walk.com).all()
@@ -79,10 +79,15 @@ def finite_or_infeasible_with_a_reason(foot, scene):
 
 
 class TestRandomScenes:
-    @settings(max_examples=10)
+    @given(hard_scenes(), st.sampled_from([0.02, 0.005]), st.sampled_from([24, 200]))
+    def test_no_nan_in_any(self, scene, dt, plates):
+        finite_or_infeasible_with_a_reason(*scene, fo.Accuracy(dt=dt, plates=plates, control=2e-3))
+
+    @pytest.mark.slow
+    @settings(max_examples=100)
     @given(hard_scenes())
-    def test_no_nan_in_any(self, scene):
-        finite_or_infeasible_with_a_reason(*scene)
+    def test_no_nan_where_the_numbers_are_found(self, scene):
+        finite_or_infeasible_with_a_reason(*scene, "standard")
 
 
 class TestEnergy:
