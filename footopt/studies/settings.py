@@ -181,6 +181,7 @@ def no_effects() -> Any:
 
 
 _dataclass = cache(make_dataclass)  # so that the settings of two runs compare
+_typed: Any = cache(lambda study, *others: OmegaConf.structured(Config(study=study())))  # it takes long
 
 
 @cache
@@ -275,8 +276,7 @@ class Config:
     objective: ObjectiveConfig = field(default_factory=ObjectiveConfig)
     choose: ChooseConfig = field(default_factory=ChooseConfig)
     constraint: Any = setting(
-        no_limits,
-        "Limit: the largest of what is minimised, the smallest of what is maximised; null: none.",
+        no_limits, "Limit: the largest of what is minimised, the smallest of what is maximised; null: none."
     )
     solver: Any = field(default_factory=SolverConfig)
     engine: EngineConfig = field(default_factory=EngineConfig)
@@ -300,7 +300,7 @@ CHANGEABLE = (
 def structured(settings: Mapping[str, Any]) -> Any:
     """Settings with their types, as OmegaConf has them: other names and kinds are refused."""
     kind, _ = STUDIES.get(str(settings["study"]["name"]), (StudySettings, None))
-    return OmegaConf.merge(OmegaConf.structured(Config(study=kind())), settings)
+    return OmegaConf.merge(_typed(kind, type(no_effects()), type(no_limits())), settings)
 
 
 def everything() -> Config:

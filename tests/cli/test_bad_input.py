@@ -20,18 +20,14 @@ COMMANDS = {
     # names and choices that are not there
     "sand=quicksand": "sand = 'quicksand'",
     "sand=2.5": "sand.zeta=2.5",
-    "solver=nsga2 sand=[1,2]": "sand = '[1,2]'",
     "solver=[ga,nsga2]": "footopt -m solver=ga,nsga2",
     "foot=[1,2]": "foot.k = [1, 2]",
-    "study=simulate foot=[1,2,[3]]": "foot.k = [1, 2, [3]]",
-    "simulator=biped robot.joints={a:{b:1}}": "robot.joints = {'a': {'b': 1}}",
     "sand=custom sand.table=[1]": "sand.table = '[1]': must be one word",
     "snad=soft": "sand=soft",
     "seed=3": "solver.seed=3",
     "+sand.density=1600": "sand.density",
     "constraint.speed=3": "constraint.speed_loss=3",
     "effects.slope.angle=5": "effects=slope effects.slope.angle=5",
-    "effects=slope effects.slope.zeta=5": "effects.slope.zeta",
     "foot.L=${foot.hight}": "foot.hight",
     # words that cannot be read
     "sand soft": "sand",
@@ -44,32 +40,20 @@ COMMANDS = {
     "resume=": "resume = ''",
     # values of another kind
     "sand.zeta=loose": "sand.zeta = 'loose'",
-    "sand.zeta=2,5": "sand.zeta = '2,5'",
     "solver.n_gen=2.5": "solver.n_gen = '2.5'",
-    "study=robust study.reuse=maybe": "study.reuse = 'maybe'",
     "foot.k=5": "foot.k = '5'",
-    "plugins=mine.py": "plugins = 'mine.py'",
     "plugins=[mine.py]": "plugins = 'mine.py'",
-    "simulator=biped robot.controller=broken.csv:f": "robot.controller = 'broken.csv:f'",
     "study=simulate sand.coefficients=3": "sand.coefficients.A00",
     "solver={a:1}": "footopt --help solver",
     # values that the library refuses
     "foot.block=[1,0.02]": "foot.block = [1.0, 0.02]",
-    "study=simulate foot.block=[1,0.02]": "foot.block = [1.0, 0.02]",
-    "sand.zeta=0": "sand.zeta = 0",
     "study.confirm=fien": "study.confirm = 'fien'",
-    "study.laws=-1": "study.laws = -1",
     "report=some": "report = 'some'",
     "study=simulate foot.k=[1,2,3]": "foot.k = [1, 2, 3]",
     "study=validate study.cases=[Wheel]": "study.cases = ['Wheel']",
-    "study=paper study.cases=[foot.colour]": "study.cases",
-    "study=stability study.cases=[flying]": "study.cases",
-    "study=robust study.measure=median": "study.measure = 'median'",
-    "study=transfer study.sands=[mud]": "study.sands",
     "study=compare": "study.runs = []",
     "study=calibrate study.tests=broken.csv": "study.tests = 'broken.csv'",
     "solver=ga objective=pareto": "solver = 'ga'",
-    "gait=file": "gait.path = None",
     "gait=file gait.path=broken.csv": "gait.path = 'broken.csv'",
     "study=export": "run = None",
     "foot=outline foot.path=sole.dxf": "foot = 'outline'",
@@ -77,51 +61,72 @@ COMMANDS = {
     "choose=limits objective=pareto": "choose.limits",
     # what would take years or all memory
     "study=effects study.feet=1000000000": "study.feet",
-    "study=robust study.scenarios=drawn study.draws=1000000000": "study.draws",
     "study.finalists=1000000000": "study.finalists",
     "solver.pop_size=1000000000": "solver.pop_size",
-    "solver.n_gen=1000000000": "solver.n_gen",
     "study=simulate accuracy.dt=1e-8": "accuracy.dt",
-    "study=simulate accuracy.plates=1000000000": "accuracy.plates",
     "study=simulate scene.t_f=1e6": "scene.t_f",
-    "study=simulate gait.period=1e6": "gait.period",
     "study=simulate foot.n=1000000": "foot.n",
-    "foot.K=1000000000000": "foot.K",
     "engine.threads=1000000000": "engine.threads",
-    "study=paper foot.length=1e9": "foot.length",
-    "study=robust study.scenarios=drawn study.spread.zeta=1e9": "study.spread.zeta",
-    "study=simulate sand.spread=2": "sand.spread",
     # robots that cannot be
     "simulator=robot": "robot.model = None",
-    "simulator=robot robot.model=mine.xml": "robot.model",
     "simulator=biped robot.feet=[left_hoof,right_hoof]": "robot.feet = 'left_hoof'",
-    "simulator=biped robot.feet=[left_foot,right_foot,torso]": "robot.feet",
-    "simulator=biped robot.joints={knee:left_hip}": "joints = 'knee'",
     "simulator=biped robot.controller=steps.csv": "robot.controller = 'steps.csv'",
-    "simulator=biped robot.tilt=-1": "robot.tilt = -1",
     "simulator=biped walker.mass=20": "walker.mass",
     "robot.duration=3": "robot.duration",
     "objective=torque": "objective",
-    "objective=[torque]": "objective.names = 'torque'",
     "objective=distance,work": "'objective=[distance,work]'. For a run of each: footopt -m",
     # settings that nothing reads
     "study=simulate foot.length=.18": "foot.length = 0.18",
     "study.draws=3": "study.draws",
-    "study=simulate solver.n_gen=3": "solver.n_gen = 3",
     "study=compare planet=moon": "walker.g = 1.62",
-    "study=compare foot.length=nan": "foot.length = nan",
     "choose=knee": "choose.name = 'knee'",
+}
+#: Each is refused as one above is, by another setting.
+LIKEWISE = {
+    "solver=nsga2 sand=[1,2]": "sand = '[1,2]'",
+    "study=simulate foot=[1,2,[3]]": "foot.k = [1, 2, [3]]",
+    "simulator=biped robot.joints={a:{b:1}}": "robot.joints = {'a': {'b': 1}}",
+    "effects=slope effects.slope.zeta=5": "effects.slope.zeta",
+    "sand.zeta=2,5": "sand.zeta = '2,5'",
+    "study=robust study.reuse=maybe": "study.reuse = 'maybe'",
+    "plugins=mine.py": "plugins = 'mine.py'",
+    "simulator=biped robot.controller=broken.csv:f": "robot.controller = 'broken.csv:f'",
+    "study=simulate foot.block=[1,0.02]": "foot.block = [1.0, 0.02]",
+    "sand.zeta=0": "sand.zeta = 0",
+    "study.laws=-1": "study.laws = -1",
+    "study=paper study.cases=[foot.colour]": "study.cases",
+    "study=stability study.cases=[flying]": "study.cases",
+    "study=robust study.measure=median": "study.measure = 'median'",
+    "study=transfer study.sands=[mud]": "study.sands",
+    "gait=file": "gait.path = None",
+    "study=robust study.scenarios=drawn study.draws=1000000000": "study.draws",
+    "solver.n_gen=1000000000": "solver.n_gen",
+    "study=simulate accuracy.plates=1000000000": "accuracy.plates",
+    "study=simulate gait.period=1e6": "gait.period",
+    "foot.K=1000000000000": "foot.K",
+    "study=paper foot.length=1e9": "foot.length",
+    "study=robust study.scenarios=drawn study.spread.zeta=1e9": "study.spread.zeta",
+    "study=simulate sand.spread=2": "sand.spread",
+    "simulator=robot robot.model=mine.xml": "robot.model",
+    "simulator=biped robot.feet=[left_foot,right_foot,torso]": "robot.feet",
+    "simulator=biped robot.joints={knee:left_hip}": "joints = 'knee'",
+    "simulator=biped robot.tilt=-1": "robot.tilt = -1",
+    "objective=[torque]": "objective.names = 'torque'",
+    "study=simulate solver.n_gen=3": "solver.n_gen = 3",
+    "study=compare foot.length=nan": "foot.length = nan",
 }
 
 
-@pytest.mark.parametrize("arguments", COMMANDS)
+@pytest.mark.parametrize(
+    "arguments", [*COMMANDS, *(pytest.param(words, marks=pytest.mark.slow) for words in LIKEWISE)]
+)
 def test_a_command_that_is_refused_names_setting_and_value_and_leaves_nothing(arguments, tmp_path):
     (tmp_path / "broken.csv").write_text("time,hip\n0,1\n")
     done = footopt(*arguments.split(" "), cwd=tmp_path)
     assert done.returncode == 1
     assert done.stderr.startswith("footopt: error: ")
     assert done.stderr.count("\n") == 1
-    assert COMMANDS[arguments] in done.stderr
+    assert (COMMANDS | LIKEWISE)[arguments] in done.stderr
     assert "unexpected" not in done.stderr
     assert [path.name for path in tmp_path.iterdir()] == ["broken.csv"]
 
