@@ -192,7 +192,7 @@ LIBRARY = [
     *several("effects", lambda two: fo.Scene(effects=two), (fo.Slope(1.0), fo.Slope(2.0))),
     *several("sand", fo.Sand.named, "concrete"),
     *each("sand", fo.Sand, zeta=[0, *NOT_ABOVE_ZERO, "5", None, True]),
-    *each("sand.coefficients", fo.StressMap, B01=[math.nan, math.inf]),
+    *each("sand.coefficients", fo.StressMap, B01=[math.nan, math.inf, 1.1e4]),
     *each("gait", fo.Gait.human, period=[0.0, math.inf, math.nan], start=[-0.1, math.nan], pitch=["ankle"]),
     *several("gait.pitch", lambda pitch: replace(fo.Gait.human(), foot=None, pitch=pitch), "measured"),
     *several("foot.shape", fo.Foot.shape, "clown"),
@@ -221,7 +221,7 @@ LIBRARY = [
     *several("engine", make_executor, "mpi"),
     *each("engine", partial(fo.evaluate, [FLAT]), threads=[0]),
     *each("engine", partial(make_executor, "processes"), workers=[0]),
-    *each("study.spread", fo.Spread, zeta=[-0.1], mass=[math.inf]),
+    *each("study.spread", fo.Spread, zeta=[-0.1], mass=[math.inf], angles=[31.0]),
     *several("study.draws", partial(fo.draw, fo.Scene(), fo.Spread()), 0),
     *several("scene.t_f", lambda s: fo.RobustProblem([s], references=np.ones(1)), fo.Scenario("a", SHORT)),
 ]

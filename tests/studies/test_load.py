@@ -14,8 +14,9 @@ from footopt.studies.build import checked
 WORDS = [
     *("sand=soft", "accuracy=draft", "objective.names=[distance,work]", "solver=nsga2", "solver.pop_size=8"),
     *("solver.n_gen=2", "study.confirm=null", "walker.mass=50", "foot.n=5", "engine.threads=1"),
+    "report=light",
 ]
-TEST = ["study=simulate", "accuracy=draft", "effects=slope", "effects.slope.angle=4"]
+TEST = ["study=simulate", "accuracy=draft", "report=light", "effects=slope", "effects.slope.angle=4"]
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +27,7 @@ def made(tmp_path_factory):
         unrender(patch)
         patch.chdir(cwd)
         runs = fo.run(WORDS), fo.run(TEST, folder="out/walk")
-    done = footopt("-m", *TEST[:2], "sand.zeta=0.001,5", "hydra.sweep.dir=out/sweep", cwd=cwd)
+    done = footopt("-m", *TEST[:3], "sand.zeta=0.001,5", "hydra.sweep.dir=out/sweep", cwd=cwd)
     assert done.returncode == 1  # one of the walks sinks
     return cwd, *runs
 

@@ -37,9 +37,15 @@ def walked(config):
     )
 
 
+@pytest.fixture(scope="module")
+def simulate():
+    return composed("study=simulate")
+
+
 @pytest.mark.parametrize("shape", ["waypoints", *SHAPES])
-def test_of_a_walk_every_setting_counts_or_is_refused(shape):
-    plain = composed("study=simulate", f"foot={shape}")
+def test_of_a_walk_every_setting_counts_or_is_refused(shape, simulate):
+    plain = deepcopy(simulate)
+    plain.foot.shape = shape
     base = walked(plain)
     names = [name for name in known() if not name.startswith(ELSEWHERE)]
     assert len(names) > 50

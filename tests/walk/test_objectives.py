@@ -52,7 +52,8 @@ class TestAgainstTheTrace:
     @pytest.mark.parametrize("t_f", [1.13, 1.85])
     def test_of_walks_that_end_anywhere_in_a_step(self, t_f, scene, ramp_foot):
         """In the middle of a fall of the speed or a rise of the power, too."""
-        walk = fo.simulate(ramp_foot, fo.Scene(scene.sand, t_f=t_f), "fine")
+        accuracy = fo.Accuracy(dt=2e-3, plates=200, creep=2e-5, control=1e-4)
+        walk = fo.simulate(ramp_foot, fo.Scene(scene.sand, t_f=t_f), accuracy)
         expected = recomputed(walk)
         for name in ("peak_power", "speed_loss"):
             assert walk.objectives[name] == pytest.approx(expected[name], rel=5e-3, abs=1e-3)
