@@ -156,9 +156,12 @@ class TestValidity:
     def test_lengths_in_another_unit_stand_out(self):
         """A thigh of 9 m, and a half length of 1.3 m that was meant as 13 cm."""
         long_leg, long_sole = fo.Scene(walker=fo.Walker(l1=9.0)), fo.Waypoints(L=1.3)
-        for scene, space in ((long_leg, fo.Waypoints()), (fo.Scene(), long_sole)):
+        cases = (long_leg, fo.Waypoints(), 9.45 / 0.26), (fo.Scene(), long_sole, 2.6 / 0.92)
+        for scene, space, ratio in cases:
             told = diagnose(fo.simulate(fo.Foot.flat(space), scene, "draft"))
-            assert [d.outside for d in told if "length" in d.name] == [True]
+            (found,) = (d for d in told if "length" in d.name)
+            assert found.outside
+            assert found.value == pytest.approx(ratio)
         assert not [d for d in diagnose(fo.simulate(fo.Foot.flat(), fo.Scene())) if "length" in d.name]
 
 
