@@ -96,8 +96,7 @@ def certified(
         inside = near[space.inside(near)]
         new = {k.tobytes() for k in inside} - searched
         affordable = len(fresh | new) <= most
-        finer = np.full(len(inside), np.inf)
-        walked = np.zeros(len(inside), bool)
+        finer, walked = np.full(len(inside), np.inf), np.zeros(len(inside), bool)
         if affordable and len(inside):
             fresh |= new
             f = _judged(problem, inside, *evaluator(inside))

@@ -71,10 +71,7 @@ def extended(front: Array, new: Array) -> Bools:
 
 def ranks(F: Array) -> Ints:
     """Place of each design by each objective, (designs, objectives)."""
-    best = F.T.argsort(kind="stable")
-    place = np.empty_like(best)
-    np.put_along_axis(place, best, np.arange(len(F))[None], axis=1)
-    return place.T
+    return F.T.argsort(kind="stable").argsort(kind="stable").T
 
 
 def hypervolume_shares(fronts: Sequence[Array]) -> list[float]:

@@ -101,18 +101,17 @@ class Waypoints:
         """The soles as dense polylines from heel to toe, (designs, (n-1) FINE + 1, 2), m."""
         z = self.heights(k)
         x = -self.L + 2.0 * self.L * (np.arange((self.n - 1) * FINE + 1) / FINE) / (self.n - 1)
-        return np.stack(np.broadcast_arrays(x, fine_heights(z, _slopes(z))), axis=-1)
+        return np.stack(np.broadcast_arrays(x, fine_heights(z, slopes_of(z, slope_matrix(self.n)))), axis=-1)
 
     def points(self, k: ArrayLike, steps: int) -> Array:
         """Points on the spline at equal steps along its arc, (designs, steps + 1, 2), m."""
-        z = self.heights(k)
-        return np.asarray(arc_points(z, _slopes(z), 2.0 * self.L / (self.n - 1), steps))
+        z, spacing = self.heights(k), 2.0 * self.L / (self.n - 1)
+        return np.asarray(arc_points(z, slopes_of(z, slope_matrix(self.n)), spacing, steps))
 
     def box_violation(self, k: ArrayLike) -> Array:
         """How far each spline leaves the box [-H, 0], (designs,), m; 0 inside."""
         z = self.heights(k)
-        fine = fine_heights(z, _slopes(z))
-        return np.asarray(np.maximum(np.maximum(fine.max(axis=1), -self.H - fine.min(axis=1)), 0.0))
+        return np.asarray(leaves(z, slopes_of(z, slope_matrix(self.n)), self.H))
 
     def inside(self, k: ArrayLike) -> Bools:
         """Which soles stay in the box, but for `box_tolerance`, (designs,)."""
@@ -175,10 +174,6 @@ def slope_matrix(n: int) -> Array:
     return slopes
 
 
-def _slopes(z: Array) -> Array:
-    return np.asarray(slopes_of(z, slope_matrix(z.shape[1])))
-
-
 @cached_njit(nogil=True, error_model="numpy")
 def slopes_of(z, matrix):
     """z @ matrix.T, whose sums BLAS may round differently from batch to batch, (designs, n)."""
@@ -215,6 +210,21 @@ def fine_heights(z, slopes):
             for j in range(FINE + 1):  # a piece's last point is the next one's first
                 out[d, i * FINE + j] = _height(piece, j / FINE)
     return out
+
+
+@cached_njit(nogil=True, error_model="numpy")
+def leaves(z, slopes, depth):
+    """How far splines leave [-depth, 0] at those steps, (designs,), m; a Bezier curve is in its hull."""
+    worst, last = np.zeros(len(z)), z.shape[1] - 2
+    for d in range(len(z)):
+        for i in range(last + 1):
+            hull = z[d, i], z[d, i] + slopes[d, i] / 3.0, z[d, i + 1] - slopes[d, i + 1] / 3.0, z[d, i + 1]
+            if max(max(hull), -depth - min(hull)) > worst[d] - 1e-9 * depth:
+                piece = _piece(z[d], slopes[d], i)
+                for j in range(FINE + (i == last)):
+                    height = _height(piece, j / FINE)
+                    worst[d] = max(worst[d], height, -depth - height)
+    return worst
 
 
 @cached_njit(nogil=True, error_model="numpy")

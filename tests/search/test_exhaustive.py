@@ -30,6 +30,16 @@ def table():
     return fo.evaluate(EVERYTHING, problem().scene, QUICK, space=SPACE), inside
 
 
+@given(st.integers(4, 14), st.integers(1, 14), st.integers(0, 99))
+def test_how_far_a_sole_leaves_its_box_is_seen_on_its_contour(n, K, seed):
+    space = fo.Waypoints(n=n, K=K)
+    k = np.concatenate([space.random(200, seed), np.sort(space.random(200, seed))])
+    z = space.contour(k)[:, :, 1]
+    far = np.maximum(np.maximum(z.max(axis=1), -space.H - z.min(axis=1)), 0.0)
+    np.testing.assert_array_equal(space.box_violation(k), far)
+    np.testing.assert_array_equal(space.inside(k), far <= space.box_tolerance * space.H)
+
+
 class TestExhaustive:
     @given(st.integers(4, 6), st.integers(1, 4), st.integers(1, 700))
     def test_batches_hold_every_design_once(self, n, K, size):

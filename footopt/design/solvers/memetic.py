@@ -279,7 +279,7 @@ class Archive(Moves):
     def _ends(self, count: int) -> Ints:
         """Of children of the best by one objective, each in its turn, those that should be best by it."""
         by, draw = (self.n_iter - 1) % self.problem.n_obj, self.random_state
-        best = self.memory.X[self.memory.best(by, PARENTS)]
+        best = self.memory.X[self.memory.F[:, by].argsort(kind="stable")[:PARENTS]]
         one, other = (best[draw.integers(len(best), size=CHILDREN)] for _ in range(2))
         crossed = draw.random(CHILDREN) < CROSSED
         children = self._fresh(shifted(np.where(crossed[:, None], exchanged(one, other, draw), one), draw))

@@ -36,10 +36,6 @@ class Memory(NamedTuple):
         kept |= (ranks(F) < TRAINED).any(axis=1)
         return Memory(X[kept], F[kept], told)
 
-    def best(self, by: int, count: int) -> Ints:
-        """Places of the best by an objective."""
-        return self.F[:, by].argsort(kind="stable")[:count]
-
     def trained(self) -> tuple[Ints, Array]:
         """Heights and objectives of the newest designs and the best others."""
         older = len(self.X) - TRAINED // 2 if self.told > TRAINED else 0
@@ -71,7 +67,7 @@ class RankModel:
         self._known = np.column_stack([-2.0 * steps, one, np.square(steps).sum(axis=1)]).T
         kernel = self._kernel(steps)
         kernel[np.diag_indices(len(F))] += SMOOTHING
-        _, solved, _ = dposv(kernel.T, np.column_stack([self.ranks, one]), overwrite_a=True)
+        _, solved, _ = dposv(kernel.T, np.column_stack([self.ranks, one]), lower=True, overwrite_a=True)
         self._constant = solved[:, :-1].sum(axis=0) / solved[:, -1].sum()
         self._weights = solved[:, :-1] - solved[:, -1:] * self._constant
 

@@ -49,8 +49,7 @@ def exchanged(X: Ints, others: Ints, random_state: Any) -> Ints:
 def shifted(X: Ints, random_state: Any) -> Ints:
     """Designs with one run of neighbouring waypoints, of any length, moved by one level."""
     moves = shifts(X.shape[1])
-    moved: Ints = X + moves[random_state.integers(len(moves), size=len(X))]
-    return moved
+    return np.asarray(X + moves[random_state.integers(len(moves), size=len(X))])
 
 
 class RandomInside(Sampling):

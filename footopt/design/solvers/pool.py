@@ -22,9 +22,7 @@ class Pool(NamedTuple):
     @classmethod
     def of(cls, pop: Any) -> Pool:
         """A population."""
-        X, F, violation = (
-            np.array([getattr(one, name) for one in pop.tolist()]) for name in ("X", "F", "CV")
-        )
+        X, F, violation = (np.array([getattr(one, of) for one in pop.tolist()]) for of in ("X", "F", "CV"))
         return cls(pop, X.astype(np.int64), F.astype(float), violation[:, 0])
 
     def take(self, rows: Any) -> Pool:

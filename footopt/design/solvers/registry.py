@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from importlib import import_module
+from itertools import accumulate
 from typing import Any
 
 from footopt.errors import SettingError, check, is_number
@@ -128,12 +129,8 @@ class Solver:
         """How many generations there will be at most; for the exhaustive solver, batches of the space."""
         if self.name == EXHAUSTIVE:
             return int(-(-(space.K**space.n) // self.size))
-        proposed = 0
-        for generation, size in enumerate(self.sizes(), start=1):
-            proposed += size
-            if proposed >= self.most or generation == self.n_gen:
-                break
-        return int(generation)
+        proposed = enumerate(accumulate(self.sizes()), start=1)
+        return next(last for last, designs in proposed if designs >= self.most or last == self.n_gen)
 
     def build(self, n_obj: int) -> Any:
         """A fresh pymoo algorithm; `SettingError` if it is not for that many objectives."""
