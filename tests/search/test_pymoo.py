@@ -19,7 +19,7 @@ from searching import SMALL, assert_same, problem
 
 from footopt.design import search
 from footopt.design.fronts import nondominated
-from footopt.design.solvers import WALKS, Solver
+from footopt.design.solvers import WALKS, Solver, memetic
 from footopt.design.solvers.memetic import Archive, Memetic
 from footopt.errors import SettingError
 
@@ -208,6 +208,19 @@ def test_where_a_front_stalls_another_population_begins_and_later_joins_the_firs
     f = designs[designs[:, 8] <= 0, 6:8]
     best = {tuple(point) for point in f[nondominated(f)]}
     assert best == {tuple(point) for point in algorithm.opt.get("F")}
+
+
+def test_no_front_that_is_remembered_grows_without_end(monkeypatch):
+    """Neither a population's nor that of all of them, while there are two."""
+    algorithm = Archive().setup(Sphere(n_obj=2), termination=("n_eval", 2000), seed=1)
+    algorithm.next()
+    while algorithm.every is algorithm.front:
+        algorithm.next()
+    assert len(algorithm.every.X) > 6
+    monkeypatch.setattr(memetic, "REMEMBERED", 6)
+    algorithm.next()
+    assert algorithm.every is not algorithm.front
+    assert max(len(algorithm.front.X), len(algorithm.every.X), len(algorithm.opt)) <= 6
 
 
 OURS = pytest.mark.parametrize(("kind", "n_obj"), [(Memetic, 1), (Archive, 2)])

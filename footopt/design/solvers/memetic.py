@@ -227,10 +227,10 @@ class Archive(Moves):
         alone, before = self.every is self.front, self.front.F
         self.front, added = self.front.front_with(told)
         self.seen, self.ahead = self.seen + len(told.X), self.ahead + self._ahead(before, added)
-        if len(self.front.X) > REMEMBERED:
-            self.front = self._least_crowded(REMEMBERED // 2)
-        self.every = self.front if alone else self.every.front_with(told)[0]
-        self._go_on_with(self._least_crowded(FEW) if len(self.front.X) > FEW else self._survivors(told))
+        self.front = self._thinned(self.front)
+        self.every = self.front if alone else self._thinned(self.every.front_with(told)[0])
+        few = len(self.front.X) <= FEW
+        self._go_on_with(self._survivors(told) if few else self._least_crowded(self.front, FEW))
 
     def _ahead(self, before: Array, added: int) -> int:
         """How many of the newest designs of the front are well ahead of the front before."""
@@ -247,14 +247,18 @@ class Archive(Moves):
         survive = {"n_survive": min(FEW, len(pool.X)), "random_state": self.random_state}
         return pool.take(RankAndCrowding().do(self.problem, pool.pop, return_indices=True, **survive))
 
-    def _least_crowded(self, most: int) -> Pool:
-        """As many of the front, as NSGA-II chooses among designs of one rank."""
+    def _thinned(self, front: Pool) -> Pool:
+        """Half of what is remembered at most, where a front is larger than that."""
+        return front if len(front.X) <= REMEMBERED else self._least_crowded(front, REMEMBERED // 2)
+
+    def _least_crowded(self, front: Pool, most: int) -> Pool:
+        """As many of a front, as NSGA-II chooses among designs of one rank."""
         from pymoo.operators.survival.rank_and_crowding.metrics import get_crowding_function
         from pymoo.util.randomized_argsort import randomized_argsort
 
-        crowding = get_crowding_function("cd").do(self.front.F, n_remove=len(self.front.X) - most)
+        crowding = get_crowding_function("cd").do(front.F, n_remove=len(front.X) - most)
         draw = {"method": "numpy", "random_state": self.random_state}
-        return self.front.take(randomized_argsort(crowding, order="descending", **draw)[:most])
+        return front.take(randomized_argsort(crowding, order="descending", **draw)[:most])
 
     def _set_optimum(self) -> None:
         self.opt = self.every.pop
