@@ -30,13 +30,10 @@ from footopt.studies.settings import AccuracyConfig, Config, SandConfig, known
 from footopt.walk import PRESETS
 
 CHOICES = {group: [f"{group}={name}" for name in names] for group, names in groups().items()}
-SCENES = CHOICES.pop("scene")  # some bring effects
+CHOICES["scene"] = [""] * len(CHOICES["effects"]) + CHOICES["scene"]  # some bring effects
 #: All choices, one of each group in a row, because composing takes a while.
-ROWS = [
-    *([choice] for choice in SCENES),
-    *([choice for choice in row if choice] for row in zip_longest(*CHOICES.values())),
-]
-ROWS = [pytest.param(row, marks=[pytest.mark.slow] * (row[0][:10] == "objective=")) for row in ROWS]
+ROWS = [[choice for choice in row if choice] for row in zip_longest(*CHOICES.values())]
+ROWS = [pytest.param(row, marks=[pytest.mark.slow] * (len(row) == 1)) for row in ROWS]
 
 
 @pytest.mark.usefixtures("clean")

@@ -81,7 +81,9 @@ class TestJobs:
         assert "2 of the jobs failed" in done.stderr  # one that is refused, and a walk that sinks
 
 
-@pytest.mark.parametrize("launcher", ["joblib", "submitit_local", "submitit_slurm"])
+@pytest.mark.parametrize(
+    "launcher", ["joblib", pytest.param("submitit_local", marks=pytest.mark.slow), "submitit_slurm"]
+)
 def test_launchers_compose(launcher):
     pytest.importorskip(f"hydra_plugins.hydra_{launcher.partition('_')[0]}_launcher", reason="an extra")
     register()

@@ -45,7 +45,7 @@ def drawn(seed):
 class TestStrides:
     def test_of_random_recordings_period_and_angles_are_right(self):
         """In 400 the largest error of an angle was half a degree: docs/evidence/gaits.md."""
-        for seed in range(tries(6)):
+        for seed in range(tries(4)):
             gait, t, angles = drawn(seed)
             found = fo.fit_gait(t, *angles.values())
             assert found.period == pytest.approx(gait.period, rel=0.002), seed

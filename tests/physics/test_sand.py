@@ -110,6 +110,8 @@ class TestTableFit:
         rms = np.sqrt(np.mean(np.square(fo.stress.alpha(*np.radians(angles).T)), axis=1)) / PER_CM3
         np.testing.assert_allclose(sand.fit_error, noise / np.hypot(rms, noise), rtol=0.1)
         np.testing.assert_allclose(astuple(sand.stress_map), astuple(GENERIC), rtol=0, atol=0.02)
+        with pytest.raises(FileError, match="misfit"):
+            fo.read_sand(write_table(tmp_path / "noise.csv", angles, 0.6 * rms.min()))
 
     def test_other_columns_and_a_byte_order_mark_are_ignored(self, tmp_path):
         path = write_table(tmp_path / "t.csv")

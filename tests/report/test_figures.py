@@ -105,13 +105,13 @@ def figure(request, hard, soft, sunk, table):
     return FIGURES[request.param]({"hard": hard, "soft": soft, "failed": sunk}, table)
 
 
-def test_a_figure_is_saved_as_picture_and_as_the_same_bytes_again(hard, tmp_path):
-    figure = figures.com({"hard": hard})
+def test_a_figure_is_saved_as_picture_and_as_the_same_bytes_again(foot, tmp_path):
+    figure = figures.contour(foot)
     png, pdf = figures.save(figure, tmp_path / "new" / "folder", "one")
     assert png.read_bytes().startswith(b"\x89PNG")
     assert pdf.read_bytes().startswith(b"%PDF")
     assert b"CreationDate" not in pdf.read_bytes()
-    again = figures.save(figures.com({"hard": hard}), tmp_path, "two")
+    again = figures.save(figures.contour(foot), tmp_path, "two")
     assert again[0].read_bytes() == png.read_bytes()
     assert again[1].read_bytes() == pdf.read_bytes()
 

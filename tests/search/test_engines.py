@@ -13,6 +13,7 @@ from searching import assert_same, problem
 import footopt as fo
 from footopt.design import executor, make_executor, search
 from footopt.errors import EngineError, FootoptError
+from footopt.walk.loop import at_once
 
 BUDGET = {"pop_size": 16, "n_gen": 6, "seed": 3}
 
@@ -32,6 +33,12 @@ class Fragile(fo.FootProblem):
         if (k[:, 0] == 2).any():
             raise ZeroDivisionError("a plate without length")
         return super().walk(k)
+
+
+def test_there_is_a_thread_for_each_processor_that_the_process_may_run_on(monkeypatch):
+    allowed = {0: {0, 2, 5}}
+    monkeypatch.setattr(os, "sched_getaffinity", lambda process: allowed.get(process, {1}), raising=False)
+    assert (at_once(), at_once(7)) == (3, 7)
 
 
 @pytest.fixture(scope="module")

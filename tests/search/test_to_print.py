@@ -9,7 +9,8 @@ from footopt.design import robust
 from footopt.design.archive import Evaluator
 from footopt.design.robust import Race, RobustProblem
 from footopt.design.scenarios import possible_laws
-from footopt.design.to_print import better_zetas, candidates, compare
+from footopt.design.to_print import better_zetas, candidates, compare, drafted
+from footopt.walk.accuracy import PRESETS
 
 LAWS = possible_laws(fo.Scene(), 0.3)
 FLAT = np.full(SMALL.n, SMALL.K)
@@ -86,6 +87,11 @@ def test_a_sole_that_a_law_rules_out_is_evaluated_under_no_other():
     known = raced == exact
     assert np.sort(exact)[: robust.KEPT].tolist() == np.sort(raced)[: robust.KEPT].tolist()
     assert raced[~known].min() > np.sort(exact)[robust.KEPT - 1]
+
+
+def test_feet_are_ranked_no_finer_than_by_a_draft():
+    given = fo.Tolerance(5e-4), PRESETS["draft"], fo.Tolerance(0.1), QUICK
+    assert [drafted(one) for one in given] == [PRESETS["draft"], *given[1:]]
 
 
 def test_losses_of_a_measure_whose_best_foot_has_nothing_of_it_are_relative_to_the_largest():
