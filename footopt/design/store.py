@@ -228,10 +228,8 @@ def _transaction(connection: sqlite3.Connection) -> Iterator[None]:
 
 def _texts(rows: Array | Ints) -> list[str]:
     """Rows of numbers as JSON with all their digits, as SQLite reads it, too: null for NaN."""
-    if not len(rows):
-        return []
     text = canonical(rows.tolist()).replace("NaN", "null").replace("Infinity", "9e999")
-    return [f"[{row}]" for row in text[2:-2].split("],[")]
+    return [f"[{row}]" for row in text[2:-2].split("],[")][: len(rows)]
 
 
 def key_of(problem: FootProblem) -> dict[str, Any]:

@@ -190,13 +190,8 @@ def _cells(column: Any) -> list[Any]:
     """A column as it is written."""
     if isinstance(column, np.ndarray) and column.dtype.kind in "iufU" and (column == column).all():
         return list(column.tolist())
-    return [_cell(value) for value in np.asarray(column, dtype=object).tolist()]
-
-
-def _cell(value: Any) -> Any:
-    if value is None or value != value:  # a NaN
-        return ""
-    return int(value) if isinstance(value, (bool, np.bool_)) else value
+    cells = ("" if v is None or v != v else v for v in np.asarray(column, dtype=object).tolist())
+    return [int(v) if isinstance(v, (bool, np.bool_)) else v for v in cells]
 
 
 def write_walk(path: Path, variables: Mapping[str, Variable], attributes: Mapping[str, str]) -> None:

@@ -1,7 +1,7 @@
 """The look of every figure: colours by role, fonts, widths, and how a figure is made and saved.
 
-No pyplot and so no global figure state. Widths are a journal's column
-and page; colours of roles are told apart by the colour-blind, and line styles differ, too.
+No pyplot and so no global figure state. Widths are a journal's column and page; colours of roles are told
+apart by the colour-blind, and line styles differ, too.
 """
 
 import io
@@ -80,13 +80,10 @@ def lay_out(figure: Figure) -> None:
 
 
 def fit_height(figure: Figure, column: Sequence[Axes]) -> None:
-    """Make a figure as high as the axes of its first column need at equal scales and full width.
-
-    That is its layout: to lay out axes with equal scales leaves no room for the labels of those that shrink.
-    """
+    """Make a figure as high as the axes of its first column need at equal scales, and lay it out."""
     equal = [axes for axes in figure.axes if axes.get_aspect() == 1.0]
     for axes in equal:
-        axes.set_aspect("auto")
+        axes.set_aspect("auto")  # the layout leaves no room for the labels of axes that shrink
     lay_out(figure)
     more = 0.0
     for axes in (axes for axes in column if axes in equal):

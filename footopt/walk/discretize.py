@@ -78,8 +78,8 @@ def poses(path: Path, accuracy: Accuracy) -> tuple[Array, Array, tuple[Array, ..
         hint = "Or shorten the walk: scene.t_f, gait.period, gait.start."
         raise SettingError("accuracy.dt", accuracy.dt, allowed, hint)
     tables = long_pose_tables if pose_rows(path, accuracy) > LONG else pose_tables
-    held = None if accuracy.control is None else 1.0  # however much: the tables are the same
-    return tables(path, Accuracy(accuracy.stepper, accuracy.dt, control=held))
+    # whatever the control is, its tables are the same
+    return tables(path, Accuracy(accuracy.stepper, accuracy.dt, control=accuracy.control and 1.0))
 
 
 def _pose_tables(path: Path, accuracy: Accuracy) -> tuple[Array, Array, tuple[Array, ...]]:
