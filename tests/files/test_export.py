@@ -5,6 +5,7 @@ import json
 from dataclasses import asdict
 from importlib.util import find_spec
 
+import ezdxf
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -87,6 +88,14 @@ class TestFiles:
         np.testing.assert_allclose(found["OUTLINE"].points, body_outline(foot), rtol=0, atol=exact)
         np.testing.assert_allclose(found["SOLE"].points, foot.contour, rtol=0, atol=exact)
         assert (found["OUTLINE"].closed, found["SOLE"].closed) == (True, False)
+
+    def test_as_dxf_are_sound_in_millimetres_and_the_same_each_time(self, flat_foot, tmp_path):
+        path, again = (fo.write_foot(flat_foot, tmp_path / name) for name in ("a.dxf", "b.dxf"))
+        document = ezdxf.readfile(path)
+        assert (document.audit().has_issues, document.units) == (False, ezdxf.units.MM)
+        corners = [[-130.0, -30.0, 0.0], [130.0, 0.0, 0.0]]
+        np.testing.assert_allclose([document.header["$EXTMIN"], document.header["$EXTMAX"]], corners)
+        assert path.read_bytes() == again.read_bytes()
 
     def test_as_csv_hold_the_sole_from_heel_to_toe_in_millimetres(self, tmp_path):
         foot = fo.Foot.from_waypoints([5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4])
