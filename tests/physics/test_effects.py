@@ -167,3 +167,4 @@ def test_dual_numbers_have_the_rules_of_derivatives(a, b, da, db):
         one, other = rule(Dual(a, da, 0.0), Dual(b, db, 0.0)), rule(Dual(a, 0.0, da), Dual(b, 0.0, db))
         assert (one.value, one.dz) == (rule(a, b), 0.0)
         assert one.dx == other.dz == pytest.approx(expected, rel=1e-5, abs=1e-6)
+        assert rule(np.array([a]), Dual(b, db, 0.0)).value == rule(a, b)  # an array leaves it to the number

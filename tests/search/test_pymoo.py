@@ -2,6 +2,7 @@
 
 import pickle
 from importlib import import_module
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -165,6 +166,13 @@ def test_designs_that_came_before_are_those_that_pymoo_drops():
         ours, theirs = (kind.do(pop, *others) for kind in (SameHeights(), DefaultDuplicateElimination()))
         assert ours.get("X").tolist() == theirs.get("X").tolist()
         assert len(ours) < 200
+
+
+def test_designs_are_well_ahead_of_a_front_by_one_in_a_hundred_of_its_range():
+    algorithm, front = Archive(), np.array([[0.0, 1.0], [1.0, 0.0]])
+    ahead, beside = [[0.5, 0.4], [0.2, 0.7], [-0.2, 1.0]], [[0.005, 0.995]]
+    algorithm.front = SimpleNamespace(F=np.concatenate([front, ahead, beside]))
+    assert algorithm._ahead(front, added=4) == 3
 
 
 def test_everything_can_be_pickled():
