@@ -1,9 +1,12 @@
 """A search can be stopped, begun with designs, and watched."""
 
+import numpy as np
 import pytest
 from searching import SMALL, objective_of, problem
 
+import footopt as fo
 from footopt.design import search
+from footopt.design.solvers.moves import IDLE, RandomInside
 
 BUDGET = {"pop_size": 8, "n_gen": 12, "seed": 1}
 
@@ -23,6 +26,12 @@ class TestStop:
         assert whole.k.tolist() == found.k.tolist()
         assert whole.stopped == ""
 
+    def test_the_line_that_is_kept_up_to_date_ends_with_the_search(self, capsys):
+        search(problem(), "ga", True, **BUDGET | {"n_gen": 2})
+        said = capsys.readouterr().err
+        assert said.count("\n") == 1
+        assert said.endswith("\n")
+
     def test_after_a_time(self):
         found = search(problem(), "ga", seconds=1e-9, **BUDGET)
         assert len(found.history) == 1
@@ -30,6 +39,19 @@ class TestStop:
 
 
 class TestStart:
+    def test_random_designs_are_drawn_until_some_draws_bring_nothing_new(self):
+        """Of one design, which each draw finds."""
+        drawn, space = [], fo.Waypoints(n=4, K=1)
+
+        class Draw:
+            def integers(self, low, high, shape):
+                drawn.append(np.broadcast_to(low, shape))
+                return drawn[-1]
+
+        found = RandomInside()._do(problem(space=space), 5, Draw())
+        assert found.tolist() == [[1] * 4]
+        assert len(drawn) == 1 + IDLE
+
     @pytest.mark.parametrize("name", ["memetic", "ga", "nsga2"])
     def test_the_first_generation_holds_the_designs(self, name):
         k = SMALL.random(3, seed=5)

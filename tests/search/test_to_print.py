@@ -87,6 +87,9 @@ def test_a_sole_that_a_law_rules_out_is_evaluated_under_no_other():
     known = raced == exact
     assert np.sort(exact)[: robust.KEPT].tolist() == np.sort(raced)[: robust.KEPT].tolist()
     assert raced[~known].min() > np.sort(exact)[robust.KEPT - 1]
+    of_one = Race(LAWS[:1], references[:1], alone[:1]).walk(batches[0])[0][:, at]
+    own = j_w(batches[0], LAWS[0].scene)
+    np.testing.assert_allclose(of_one, own / abs(references[0]), rtol=0, atol=1e-12)
 
 
 def test_feet_are_ranked_no_finer_than_by_a_draft():
