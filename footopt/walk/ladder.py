@@ -13,6 +13,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import lru_cache
+from operator import sub
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -31,7 +32,7 @@ from footopt.walk.steppers import STEPPERS
 LONGEST = {True: 1 / 96, False: 1 / 960}  # time step of implicit and of explicit steppers
 CONTROL, CREEP = 5e-3, 2.5e-4
 FEWEST = 24  # plates
-STEP_HALVED = 3  # rungs of half the control each, of which the last also halves the longest step
+ORDER = 3  # of the error of a step in its length: rungs of half the control each that halve the longest step
 SAFE = 2.0  # an error is at most so many times what the next rung changes, if each rung halves it
 SHARE = 0.5  # of the tolerance, for the errors of the probes: other soles of their kind err more
 AGAIN = 0.8  # of that share, for the errors of a rung further down: one of several may be good by chance
@@ -41,7 +42,7 @@ FAR = 4.0  # times that share: an error that two rungs will not bring within it
 VAIN, BARELY = 8.0, 1.5  # so many times the work is to bring the error down by this factor
 SAFE_DEEP = 4 / 3  # as `SAFE`, of rungs that leave a quarter of an error
 ALIKE = 2.0  # times the next one's: up to here the worst probe's error counts in a look further up
-NEARLY = 1.25  # times the smallest error: as good where none is small enough
+NEARLY = 1.25  # times the smallest mean error: as good where none is small enough
 MOST = 1000.0  # walks in whose work the numbers are found: a fifth of a search of 5,000
 CHEAP = 0.02  # of a walk's work: what a rung costs at least
 
@@ -67,7 +68,7 @@ class Rung(NamedTuple):
 
 NEXT = Rung(1, 1, 1)
 #: Half the longest step with an eighth of the control, twice the plates, and a quarter of the creep speed.
-DEEP = Rung(STEP_HALVED, 2, 2)
+DEEP = Rung(ORDER, 2, 2)
 #: Steps of 1/32 of the first ones, 8,700 plates, a creep speed of 1/8000: nothing finer has been asked for.
 TOP = Rung(15, 17, 13)
 
@@ -182,8 +183,7 @@ def numbers_at(of: Tolerance, path: Path, rung: Rung) -> Accuracy:
     """The numbers of a rung for a walk, and those that are held by hand."""
     period = path.gait.period
     speed = (path.l1 + path.l2) / period
-    halvings = max(rung.time - 1, 0) // STEP_HALVED
-    dt = LONGEST[STEPPERS[of.stepper].implicit] * period / 2**halvings
+    dt = LONGEST[STEPPERS[of.stepper].implicit] * period * min(1.0, 2 ** ((1 - rung.time) / ORDER))
     numbers = Accuracy(
         stepper=of.stepper,
         dt=min(max(dt, LEAST_DT), 1.0),
@@ -254,12 +254,15 @@ def climb(
         side = max(worth, key=lambda side: worth[side])
         rungs = 2 if errors[side] > FAR * allowed else 1
         look = len(values) * (cost + sum(other for ups in finer for _, other in ups))
-        if price() + look * (finer[side][0][1] / cost) ** rungs > most * _best(passed, passed[0]).work:
+        if price() + look * (finer[side][0][1] / cost) ** rungs > most * cost:
             break
         rung = rung.up(NEXT.sides()[side], rungs, top)
-    found = passed[-1] if passed[-1].error <= allowed else _best(passed, passed[-1])
+    found = passed[-1]
     if by is deep and found.error <= allowed:
         found = _descended(found, at, up(deep), AGAIN * allowed, lambda one: price() <= most * one.work)
+    elif found.error > allowed:
+        ups = [at(one) for one in walked if min(map(sub, one, rung)) >= 0]
+        found = _closest([(one, safe * _changed(at(one)[0], ups), at(one)[1]) for one in path], allowed)
     return found._replace(price=price(), path=tuple(dict.fromkeys(path)))
 
 
@@ -290,11 +293,15 @@ def _changed(values: Array, ups: Sequence[tuple[Array, float]]) -> Array:
     return changes
 
 
-def _best(passed: Sequence[Found], otherwise: Found) -> Found:
-    """The cheapest rung of nearly the smallest error, if there is one that is finite."""
-    good = NEARLY * min(one.error for one in passed)
-    near = (one for one in passed if one.error <= good < math.inf)
-    return min(near, key=lambda one: one.work, default=otherwise)
+def _closest(passed: Sequence[tuple[Rung, Array, float]], allowed: float) -> Found:
+    """The cheapest rung that is nearly as close as any to the finest walks, in the probes' geometric mean.
+
+    passed: rungs, errors of the probes' objectives, and work. An error within what is allowed counts as that.
+    """
+    means = [np.exp(np.log(np.clip(e.max(axis=1), allowed, 1.0)).mean()) for _, e, _ in passed]
+    near = [one for one, mean in zip(passed, means, strict=True) if mean <= NEARLY * min(means)]
+    rung, errors, cost = min(near, key=lambda one: one[2])
+    return Found(rung, worst(errors, ALIKE), cost)
 
 
 def changes_of(values: Array, others: Array) -> Array:
