@@ -6,7 +6,8 @@ rung: what that changes in the objectives, times `SAFE`, is the error that the s
 the largest error for what its refinement costs goes up, until the errors add up to `SHARE` of the
 tolerance. One rung may by chance change little: a walk further up on all sides (`DEEP`) has to agree, or the
 climb goes on. Then sides go down again as long as that walk agrees, for a climb learns late which of them
-errs. Costs are evaluations and plates, never seconds: the choice is the same on every machine.
+errs. A climb that has to stop ends on the cheapest rung where most soles agree with the finest walks. Costs
+are evaluations and plates, never seconds: the choice is the same on every machine.
 """
 
 import math
