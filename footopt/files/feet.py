@@ -6,9 +6,7 @@ x is forward and z up; across the foot's width y runs from -width/2 to width/2. 
 here as it is in a walk: no spline is fitted to it, which would change the body's volume.
 """
 
-import re
 from collections.abc import Sequence
-from importlib.resources import files as resources
 from pathlib import Path
 
 import numpy as np
@@ -138,17 +136,20 @@ def body_outline(foot: Foot, block: Sequence[float] | None = None) -> Array:
 
 
 def _write_dxf(path: Path, sole: Array, outline: Array) -> None:
-    """Write an outline (p, 2), mm, on layer OUTLINE and the sole (m, 2), mm, on layer SOLE, as polylines.
+    """Write an outline (p, 2), mm, on layer OUTLINE and the sole (m, 2), mm, on layer SOLE, as polylines."""
+    import ezdxf
 
-    outline.dxf is R2010 in mm as ezdxf writes it, without numbers: its import takes longer than 400 walks.
-    """
-    (left, low), (right, high) = outline.min(axis=0).tolist(), outline.max(axis=0).tolist()
-    known = {"LEFT": left, "LOW": low, "RIGHT": right, "HIGH": high}  # that a viewer shows at first
-    for layer, points in ((OUTLINE, outline), (SOLE, sole)):
-        lines = "\n".join(f" 10\n{x}\n 20\n{z}" for x, z in points.tolist())
-        known |= {f"{layer}-COUNT": len(points), layer: lines}
-    text = (resources("footopt.files") / "outline.dxf").read_text(encoding="utf-8")
-    write_text(path, re.sub("@(.+)@", lambda mark: str(known[mark[1]]), text))
+    document = ezdxf.new("R2010")
+    document.units = ezdxf.units.MM  # $INSUNITS 4
+    document.header["$MEASUREMENT"] = 1  # metric
+    space = document.modelspace()
+    for layer, colour, points, closed in ((OUTLINE, 7, outline, True), (SOLE, 1, sole, False)):
+        document.layers.add(layer, color=colour)
+        space.add_lwpolyline(points.tolist(), "xy", close=closed, dxfattribs={"layer": layer})
+    low, high = ((*corner.tolist(), 0.0) for corner in (outline.min(axis=0), outline.max(axis=0)))
+    space.reset_extents(low, high)  # that a viewer shows at first
+    with write_whole(path) as new:
+        document.saveas(new)
 
 
 def _write_svg(path: Path, sole: Array, outline: Array) -> None:

@@ -89,13 +89,11 @@ class TestFiles:
         np.testing.assert_allclose(found["SOLE"].points, foot.contour, rtol=0, atol=exact)
         assert (found["OUTLINE"].closed, found["SOLE"].closed) == (True, False)
 
-    def test_as_dxf_are_sound_in_millimetres_and_the_same_each_time(self, flat_foot, tmp_path):
-        path, again = (fo.write_foot(flat_foot, tmp_path / name) for name in ("a.dxf", "b.dxf"))
-        document = ezdxf.readfile(path)
+    def test_as_dxf_are_sound_and_in_millimetres(self, flat_foot, tmp_path):
+        document = ezdxf.readfile(fo.write_foot(flat_foot, tmp_path / "foot.dxf"))
         assert (document.audit().has_issues, document.units) == (False, ezdxf.units.MM)
         corners = [[-130.0, -30.0, 0.0], [130.0, 0.0, 0.0]]
         np.testing.assert_allclose([document.header["$EXTMIN"], document.header["$EXTMAX"]], corners)
-        assert path.read_bytes() == again.read_bytes()
 
     def test_as_csv_hold_the_sole_from_heel_to_toe_in_millimetres(self, tmp_path):
         foot = fo.Foot.from_waypoints([5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4])
