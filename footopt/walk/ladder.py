@@ -222,6 +222,10 @@ def climb(
     def up(by: Rung) -> list[tuple[Array, float]]:
         return [at(rung.up(by, times, top)) for times in range(1, 2 + (len(at(rung)[0]) < FEW))]
 
+    def closest() -> Found:
+        ups = [at(one) for one in walked if min(map(sub, one, rung)) >= 0]
+        return _closest([(one, safe * _changed(at(one)[0], ups), at(one)[1]) for one in path], allowed)
+
     def price() -> float:
         return sum(len(values) * cost for values, cost in walked.values())
 
@@ -255,15 +259,14 @@ def climb(
         side = max(worth, key=lambda side: worth[side])
         rungs = 2 if errors[side] > FAR * allowed else 1
         look = len(values) * (cost + sum(other for ups in finer for _, other in ups))
-        if price() + look * (finer[side][0][1] / cost) ** rungs > most * cost:
+        if price() + look * (finer[side][0][1] / cost) ** rungs > most * closest().work:
             break
         rung = rung.up(NEXT.sides()[side], rungs, top)
     found = passed[-1]
     if by is deep and found.error <= allowed:
         found = _descended(found, at, up(deep), AGAIN * allowed, lambda one: price() <= most * one.work)
     elif found.error > allowed:
-        ups = [at(one) for one in walked if min(map(sub, one, rung)) >= 0]
-        found = _closest([(one, safe * _changed(at(one)[0], ups), at(one)[1]) for one in path], allowed)
+        found = closest()
     return found._replace(price=price(), path=tuple(dict.fromkeys(path)))
 
 

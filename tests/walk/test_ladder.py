@@ -139,7 +139,7 @@ class TestTheClimb:
                 return values, cost
 
         walk = Brink([0.05, 0.02, 0.01])
-        found = climb(walk, TOP, 0.005, 400.0, DEEP)
+        found = climb(walk, TOP, 0.005, 1000.0, DEEP)
         assert walk.error(found.rung) < walk.error(Rung()) / 3.0
 
     def test_the_longest_step_is_shorter_on_each_rung(self):
