@@ -223,8 +223,13 @@ def climb(
         return [at(rung.up(by, times, top)) for times in range(1, 2 + (len(at(rung)[0]) < FEW))]
 
     def closest() -> Found:
+        """The cheapest rung nearly as close as any to the finest walks, in the probes' geometric mean."""
         ups = [at(one) for one in walked if min(map(sub, one, rung)) >= 0]
-        return _closest([(one, safe * _changed(at(one)[0], ups), at(one)[1]) for one in path], allowed)
+        errors = {one: safe * _changed(at(one)[0], ups) for one in path}
+        means = [np.log(np.clip(each.max(axis=1), allowed, 1.0)).mean() for each in errors.values()]
+        near = [one for one, mean in zip(errors, means, strict=True) if mean <= min(means) + math.log(NEARLY)]
+        least = min(near, key=lambda one: at(one)[1])
+        return Found(least, worst(errors[least], ALIKE), at(least)[1])
 
     def price() -> float:
         return sum(len(values) * cost for values, cost in walked.values())
@@ -295,17 +300,6 @@ def _changed(values: Array, ups: Sequence[tuple[Array, float]]) -> Array:
     """The largest relative changes of the probes' objectives to finer walks."""
     changes: Array = np.max([changes_of(values, other) for other, _ in ups], axis=0)
     return changes
-
-
-def _closest(passed: Sequence[tuple[Rung, Array, float]], allowed: float) -> Found:
-    """The cheapest rung that is nearly as close as any to the finest walks, in the probes' geometric mean.
-
-    passed: rungs, errors of the probes' objectives, and work. An error within what is allowed counts as that.
-    """
-    means = [np.exp(np.log(np.clip(e.max(axis=1), allowed, 1.0)).mean()) for _, e, _ in passed]
-    near = [one for one, mean in zip(passed, means, strict=True) if mean <= NEARLY * min(means)]
-    rung, errors, cost = min(near, key=lambda one: one[2])
-    return Found(rung, worst(errors, ALIKE), cost)
 
 
 def changes_of(values: Array, others: Array) -> Array:
