@@ -264,7 +264,9 @@ def climb(
         side = max(worth, key=lambda side: worth[side])
         rungs = 2 if errors[side] > FAR * allowed else 1
         look = len(values) * (cost + sum(other for ups in finer for _, other in ups))
-        if price() + look * (finer[side][0][1] / cost) ** rungs > most * closest().work:
+        good = NEARLY * min(one.error for one in passed)
+        least = min(one.work for one in passed if one.error <= good)
+        if price() + look * (finer[side][0][1] / cost) ** rungs > most * least:
             break
         rung = rung.up(NEXT.sides()[side], rungs, top)
     found = passed[-1]

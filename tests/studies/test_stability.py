@@ -18,7 +18,7 @@ from footopt.walk.resolution import resolution
 BY_NAME = {case.name: case for case in CASES}
 BY_NAME["ten times the gravity"] = replace(BY_NAME["gravity 1e4"], changes={"walker.g": 98.1})
 PAN, NOISE = "a hard pan under soft sand", "a noisy contour of 5000 points"
-BEYOND = (PAN, NOISE, "1 mg")  # more than plates or steps of `standard` resolve
+BEYOND = (NOISE, "1 mg")  # more than plates or steps of `standard` resolve
 #: Fine numbers that no truth comes to: steps of one length, chords that begin and end at the noise's points.
 FINE = {
     PAN: fo.Accuracy(dt=2e-5, plates=4000, creep=1e-7),
