@@ -43,7 +43,7 @@ FAR = 4.0  # times that share: an error that two rungs will not bring within it
 VAIN, BARELY = 8.0, 1.5  # so many times the work is to bring the error down by this factor
 SAFE_DEEP = 4 / 3  # as `SAFE`, of rungs that leave a quarter of an error
 ALIKE = 2.0  # times the next one's: up to here the worst probe's error counts in a look further up
-NEARLY = 1.25  # times the smallest mean error: as good where none is small enough
+NEARLY = 1.25  # times the smallest error: as good where none is small enough
 MOST = 1000.0  # walks in whose work the numbers are found: a fifth of a search of 5,000
 CHEAP = 0.02  # of a walk's work: what a rung costs at least
 
