@@ -19,6 +19,7 @@ from footopt.studies.settings import Config, structured
 
 #: conf/ inside the installed package, or at the top of a checkout.
 CONF: Path = next(path / "conf" for path in Path(__file__).parents[1:3] if (path / "conf").is_dir())
+_offered: dict[tuple[str, str], Any] = {}  # to Hydra, which takes a millisecond for each
 
 
 def register(words: Sequence[str] = ()) -> None:
@@ -31,7 +32,9 @@ def register(words: Sequence[str] = ()) -> None:
     store.store(name="footopt_settings", node=asdict(Config()) | {"study": {}})
     for group, nodes in choices().items():
         for name, node in nodes.items():
-            store.store(group=group, name=name, node=node, package="_global_" if "defaults" in node else None)
+            if _offered.get((group, name)) != node:
+                store.store(name, node, group, "_global_" if "defaults" in node else None)
+                _offered[group, name] = node
 
 
 def named_plugins(words: Sequence[str]) -> list[str]:

@@ -35,7 +35,6 @@ from footopt.studies.settings import CODE, WRITTEN, structured
 from footopt.walk.objectives import lookup
 
 TRUST, FORCE = "--trust", "--force"
-STOPPED = 130  # exit code after Ctrl-C, as of any program that a shell stops
 
 _wants_traceback = os.environ.get("HYDRA_FULL_ERROR") == "1"
 
@@ -56,7 +55,7 @@ def main() -> None:
             sys.argv[1:] = sorted(words, key=lambda one: one not in ("-m", "--multirun"))
             _job()
     except KeyboardInterrupt:
-        sys.exit(STOPPED)
+        sys.exit(130)  # as of any program that a shell stops
     except BrokenPipeError:  # `footopt --help | head` has seen enough, and Python must not write the rest
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(141)
@@ -119,8 +118,7 @@ class Multirun(Callback):
         """Read what the jobs left in their folders."""
         from footopt.report import summary  # pandas and matplotlib take a second
 
-        folder = Path(config.hydra.sweep.dir)
-        Multirun.failed = summary.compare(folder, identity.jobs(folder))
+        Multirun.failed = summary.compare(folder := Path(config.hydra.sweep.dir), identity.jobs(folder))
 
 
 def _jobs(config: DictConfig, name: str) -> Iterator[tuple[str, DictConfig, list[str]]]:
