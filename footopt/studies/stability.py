@@ -155,6 +155,7 @@ def judge_case(
 ) -> list[Verdict]:
     """Judge a case, which starts from the settings `base`, with `METHODS`; `step` is called after each."""
     foot, scene = case.foot() if case.foot else base[0], case.scene(base[1])
+    foot = replace(foot, space=None)  # its numbers are found by itself, not by ten soles of its space
     own = replace(numerics(base[2], scene, foot), **case.accuracy)
     control, limit = own.control or CONTROL, BEYOND * (own.tolerance or PROMISE)
     start = replace(own, stepper="sdirk2", control=control)
