@@ -48,7 +48,7 @@ MOST = 1000.0  # walks in whose work the numbers are found: a fifth of a search 
 CHEAP = 0.02  # of a walk's work: what a rung costs at least
 
 PROBES, DRAWN = 10, 40  # random soles of a space that walk, of those that are drawn
-FEW = 8  # soles that may by chance change little: two rungs are looked at, and no sole is left out
+FEW = 8  # soles that may by chance change little on one rung: two are looked at, and no sole is left out
 
 
 class Rung(NamedTuple):
@@ -220,7 +220,8 @@ def climb(
         return walked[one]
 
     def up(by: Rung) -> list[tuple[Array, float]]:
-        return [at(rung.up(by, times, top)) for times in range(1, 2 + (len(at(rung)[0]) < FEW))]
+        twice = by is not deep and len(at(rung)[0]) < FEW
+        return [at(rung.up(by, times, top)) for times in range(1, 2 + twice)]
 
     def closest() -> Found:
         """The cheapest rung nearly as close as any to the finest walks, in the probes' geometric mean."""
