@@ -114,7 +114,16 @@ class TestTheClimb:
         assert found.price == pytest.approx(sum(10 * walk(rung)[1] for rung in set(walk.walked)))
         assert found.work == pytest.approx(walk(found.rung)[1])
 
-    def test_gives_up_where_nothing_helps(self):
+    def test_a_lone_sole_looks_two_rungs_up_each_side_and_once_up_all(self):
+        class Lone(Halving):
+            def __call__(self, rung):
+                values, cost = super().__call__(rung)
+                return values[:1], cost
+
+        climb(walk := Lone([1e-6] * 3), TOP, 0.005, deep=DEEP)
+        sides = {Rung(*(up * (i == side) for i in range(3))) for up in (1, 2) for side in range(3)}
+        assert set(walk.walked) == {Rung(), DEEP} | sides
+
         """A scene whose walks differ whatever the numbers: not at the price of the finest rung."""
 
         class Noise(Halving):
