@@ -254,8 +254,7 @@ class Run:
     @property
     def best(self) -> dict[str, float]:
         """Objectives of its foot by name, natural signs; empty if it has none."""
-        found = self.result.get("objectives") if "design" in self.result else None
-        return dict(found or {})
+        return dict(self.result.get("objectives") or {}) if "design" in self.result else {}
 
     @cached_property
     def foot(self) -> Foot:

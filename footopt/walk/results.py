@@ -290,8 +290,7 @@ class Walk:
 
     @property
     def sole(self) -> Plates:
-        fill = reshaping(self.world.effects)
-        return self.foot.plates(self.accuracy.plates, self.accuracy.rule, fill)
+        return self.foot.plates(self.accuracy.plates, self.accuracy.rule, reshaping(self.world.effects))
 
 
 class Stance(NamedTuple):

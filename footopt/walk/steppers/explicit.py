@@ -53,8 +53,7 @@ class SemiImplicitEuler(NamedTuple):
 def runge_kutta(c: tuple[float, ...], b: tuple[float, ...]) -> Stepper:
     """The stepper of a tableau."""
     nodes = tuple(sorted({*c[1:], 1.0}))
-    pose = (0, *map(nodes.index, c[1:]))
-    return Stepper(Tableau(c, b, pose), nodes)
+    return Stepper(Tableau(c, b, (0, *map(nodes.index, c[1:]))), nodes)
 
 
 STEPPERS["explicit_euler"] = runge_kutta((0.0,), (1.0,))  # the paper's eq. 6
