@@ -47,7 +47,7 @@ def translate(error: BaseException, overrides: Sequence[str]) -> FootoptError | 
     cause, names = error.__cause__ or error, known()
     text = str(cause).partition("\n")[0]
     key = (getattr(cause, "full_key", None) or "").partition("[")[0]  # of a list, without the place in it
-    group, _, choice = (getattr(error, "missing_cfg_file", None) or "").rpartition("/")
+    group, _, choice = (getattr(error, "missing_cfg_file", None) or "").partition("/")
     # footopt =soft, footopt study=simulate foot.k=[1, 2]
     if bad := next((one for one in overrides if one.startswith("=")), getattr(error, "override", "")):
         return FootoptError(f"{bad}: {_syntax(*bad.partition('='))}")
@@ -104,7 +104,7 @@ def _unknown(name: str, value: str, study: str) -> FootoptError:
     names = known()
     if name in names and studies_that_read(name):
         return not_read(name, value, study)
-    same = [other for other in names if other.endswith(f".{name.rpartition('.')[2]}")]
+    same = [other for other in reversed(names) if other.endswith(f".{name.rpartition('.')[2]}")]
     typo, near = get_close_matches(name, names, 1, 0.9), get_close_matches(name, [*groups(), *names], 1)
     close, group = [*typo, *same, *near], name.partition(".")[0]
     more = MORE if group not in groups() else f"`footopt --help {group}` lists those of {group}."

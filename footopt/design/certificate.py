@@ -14,6 +14,7 @@ from footopt.foot import Waypoints
 from footopt.walk.accuracy import AnyAccuracy
 
 MOST = 20_000  # soles of a neighbourhood: of a larger space only nearer ones are evaluated
+FAILED = 1e300  # of a design that breaks a constraint: any neighbour that keeps it is better
 SAFETY = 2.0  # times the largest change between accuracies that was seen: closer designs are evaluated finely
 
 
@@ -92,6 +93,8 @@ def certified(
         own, good = result.k[confirmed.designs[0]], confirmed.good
         before, after = result.values[confirmed.designs[good], column], confirmed.values[good, column]
         margin = SAFETY * largest_change(before, after, none=0.0)
+        pair = result.values[confirmed.designs[:1]], confirmed.values[:1]
+        least, goal = (problem.minimised(each)[0, 0] if good[0] else FAILED for each in pair)
         near, distance = neighbours(own, space)
         inside = near[space.inside(near)]
         new = {k.tobytes() for k in inside} - searched
@@ -100,12 +103,11 @@ def certified(
         if affordable and len(inside):
             fresh |= new
             f = _judged(problem, inside, *evaluator(inside))
-            least = problem.minimised(result.values[confirmed.designs[:1]])[0, 0]
             while (close := (f <= least + margin * abs(least)) & ~walked).any():
                 finer[close] = _judged(problem, inside[close], *problem.at(accuracy).walk(inside[close]))
                 walked |= close
                 margin = max(margin, SAFETY * largest_change(f[close], finer[close], none=0.0))
-        if finer.min(initial=np.inf) >= problem.minimised(confirmed.values[:1])[0, 0]:
+        if finer.min(initial=np.inf) >= goal:
             break
         steps += 1
         best = inside[[finer.argmin()]]

@@ -158,7 +158,7 @@ class Workers:
     def _sent(self) -> bytes:
         """The problem, compiled once, here, for all workers that share the cache, and its key."""
         problem = self.problem
-        problem.walk(np.full((1, problem.space.n), problem.space.K))
+        walk(problem, np.full((1, problem.space.n), problem.space.K))
         try:
             return pickle.dumps((problem, key_of(problem)))
         except Exception as error:

@@ -120,8 +120,13 @@ class Choice:
             good = is_number(value) and 0 < value < np.inf
             check(good, f"choose.weights.{key}", value, "a number > 0")
 
-    def check_names(self, names: Sequence[str]) -> None:
-        """Raise a `SettingError` unless weights and limits are of these objectives, and can be kept."""
+    def check_names(self, names: Sequence[str], known: Sequence[str]) -> None:
+        """Raise a `SettingError` unless weights and limits are of these objectives, and can be kept.
+
+        known: the measures that there are.
+        """
+        there = self.by != "efficiency" or "efficiency" in known
+        check(there, "choose", self.by, "knee or another rule, as these walks have no efficiency")
         for setting, given in (("weights", self.weights), ("limits", self.limits)):
             for name in given:
                 check(name in names, f"choose.{setting}", name, f"one of {', '.join(names)}")

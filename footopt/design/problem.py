@@ -101,7 +101,7 @@ class FootProblem(Problem):
             check(name in known, "constraint", name, f"one of {', '.join(known)}")
             MEASURES[name].check_limit(f"constraint.{name}", limit)
         self.choice = choose if isinstance(choose, Choice) else Choice(choose)
-        self.choice.check_names(self.names)
+        self.choice.check_names(self.names, known)
         usual = (name for name in RECORD if name in known)
         self.record = tuple(dict.fromkeys((*usual, *names, *self.limits)))
         n, K = self.space.n, self.space.K

@@ -11,7 +11,7 @@ from footopt.design.archive import Evaluator
 from footopt.design.problem import FootProblem
 from footopt.design.scenarios import Scenario
 from footopt.design.search import search
-from footopt.errors import FootoptError, check
+from footopt.errors import FootoptError, check, check_kind
 from footopt.foot import Waypoints
 from footopt.walk.accuracy import AnyAccuracy
 from footopt.walk.objectives import MEASURES
@@ -70,11 +70,12 @@ class RobustProblem(FootProblem):
         limits: Mapping[str, float] | None = None,
     ) -> None:
         check(len(scenarios) > 0, "scenarios", list(scenarios), "at least one")
+        for scenario in scenarios:
+            check_kind(scenario, Scenario, "scenarios", "Try fo.Scenario(name, scene)")
+            scenario.scene.need_heel_strike()
         names = [scenario.name for scenario in scenarios]
         check(len(set(names)) == len(names), "scenarios", names, "of different names")
         check_measure(measure, tail)
-        for scenario in scenarios:
-            scenario.scene.need_heel_strike()
         super().__init__(scenarios[0].scene, objective, space, accuracy, threads, limits)
         self.scenarios = tuple(scenarios)
         self.signs = np.array([MEASURES[name].sign for name in self.record])  # of values, when minimised
@@ -83,6 +84,9 @@ class RobustProblem(FootProblem):
         usable = np.isfinite(self.references) & (self.references != 0.0)
         good = usable.shape == (len(names),) and usable.all()
         check(good, "references", self.references.tolist(), f"{len(names)} numbers other than 0")
+        limit, divided = self.limits.get(self.ranking_objective), (self.references != 1.0).any()
+        allowed = "left out: its values are divided by references"
+        check(limit is None or not divided, f"constraint.{self.ranking_objective}", limit, allowed)
 
     def _own_bests(self) -> list[float]:
         """`ranking_objective` of the best foot of each scenario alone."""
@@ -100,7 +104,8 @@ class RobustProblem(FootProblem):
     @property
     def conditions(self) -> dict[str, Any]:
         """The scenarios, and how values in them become one: a store keeps it with the designs."""
-        return {name: getattr(self, name) for name in ("scenarios", "measure", "tail", "references")}
+        names = ("scenarios", "measure", "tail", "references", "ranking_objective")
+        return {name: getattr(self, name) for name in names}
 
     def walk_each(self, k: Ints) -> tuple[Array, Words]:
         """Values in every scenario, (scenarios, designs, record), and the reasons of failed walks."""
@@ -112,7 +117,9 @@ class RobustProblem(FootProblem):
 
     def walk(self, k: Ints) -> tuple[Array, Words]:
         """Measures of the values over the scenarios, (designs, record), and the reasons of failed walks."""
-        return self._measured(*self.walk_each(k))
+        values, reasons = self.walk_each(k)
+        worst = [MEASURES[name].worst for name in self.record]  # for what has no value
+        return self._measured(np.where(np.isnan(values), worst, values), reasons)
 
     def _measured(self, values: Array, reasons: Words) -> tuple[Array, Words]:
         """Measures, and in the first of the scenarios (scenarios, designs, ...) that a design fails in, why.

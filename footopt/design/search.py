@@ -19,7 +19,7 @@ from footopt.arrays import Array
 from footopt.design.archive import Archive, Evaluator
 from footopt.design.problem import KNOWN, FootProblem, Known, whole
 from footopt.design.result import Generation, SearchResult
-from footopt.design.solvers import AUTO, EXHAUSTIVE, Solver
+from footopt.design.solvers import AUTO, EXHAUSTIVE, WALKS, Solver
 from footopt.design.store import Store
 from footopt.errors import SettingError, check, check_kind
 
@@ -119,6 +119,8 @@ class OfPymoo(Solver):
 
     def build(self, n_obj: int) -> Any:
         """The copy."""
+        single = type(self.algorithm).__module__.startswith("pymoo.algorithms.soo")
+        check(n_obj == 1 or not single, "solver", self.name, "an algorithm for several objectives: NSGA2()")
         return copy.deepcopy(self.algorithm)
 
 
@@ -174,7 +176,8 @@ def _begun(problem: FootProblem, solver: Solver, known: Known, start: Any, termi
     solver.check_space(problem.space)
     algorithm = solver.build(problem.n_obj)
     algorithm.data[KNOWN] = known
-    most = solver.n_gen or REPEATS * solver.generations(problem.space)
+    needed = (solver.walks or WALKS) // (getattr(algorithm, "pop_size", None) or solver.size) + 1
+    most = solver.n_gen or REPEATS * max(needed, solver.generations(problem.space))
     ends = copy.deepcopy(termination) or ("n_gen", most)
     try:
         algorithm.setup(problem, termination=ends, seed=solver.seed, verbose=False)

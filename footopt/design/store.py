@@ -11,12 +11,13 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
+import pickle
 import sqlite3
 import sys
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from functools import cache
+from contextlib import contextmanager, suppress
+from functools import cache, partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -237,10 +238,11 @@ def key_of(problem: FootProblem) -> dict[str, Any]:
     space = plain(problem.space)
     del space["box_tolerance"]
     stepper = STEPPERS[problem.accuracy.stepper].parameters
-    laws = [effect.law for effect in getattr(problem.scene, "effects", ()) if effect.law is not None]
+    scenes = [scenario.scene for scenario in getattr(problem, "scenarios", ())] or [problem.scene]
     judges = [MEASURES[name].value for name in problem.record if name in MEASURES]
     kinds = type(problem).__mro__
-    own = (*judges, *own_code(laws, stepper), *problem.scene.own(), *kinds[: kinds.index(FootProblem)])
+    own = [*judges, *own_code((), stepper), *kinds[: kinds.index(FootProblem)]]
+    own += [each for scene in scenes for each in scene.own()]
     return {
         "problem": type(problem).__name__,
         **{name: plain(value) for name, value in problem.conditions.items()},
@@ -248,14 +250,23 @@ def key_of(problem: FootProblem) -> dict[str, Any]:
         "space": space,
         "record": plain(problem.record),
         # the files of a user's own objectives, effects, stepper and problem
-        "own": {
-            f"{o.__module__}.{o.__qualname__}": hashlib.sha256(source_of(o)).hexdigest()
-            for o in own
-            if is_own(o)
-        },
+        "own": dict(map(_fingerprint, filter(is_own, own))),
         "versions": _versions(),
         "machine": target(),
     }
+
+
+def _fingerprint(own: Any) -> tuple[str, str]:
+    """Of a user's type or function the name, and a digest of its file and of what is bound to it."""
+    inner = own.func if isinstance(own, partial) else own
+    named = inner if hasattr(inner, "__qualname__") else type(inner)
+    digest = hashlib.sha256(source_of(named))
+    bound = [own.args, own.keywords] if isinstance(own, partial) else []
+    bound += [cell.cell_contents for cell in getattr(inner, "__closure__", None) or ()]
+    for one in [*bound, getattr(inner, "__defaults__", None), *([] if named is inner else [vars(inner)])]:
+        with suppress(Exception):  # what cannot be pickled is a function, whose file says what it does
+            digest.update(pickle.dumps(one))
+    return f"{named.__module__}.{named.__qualname__}", digest.hexdigest()
 
 
 @cache

@@ -96,8 +96,7 @@ class Effect:
 
 def name_of(effect: Effect) -> str:
     """An effect's name in settings and tables."""
-    names = (name for name, kind in EFFECTS.items() if isinstance(effect, kind))
-    return next(names, type(effect).__name__)
+    return next((name for name, kind in EFFECTS.items() if isinstance(effect, kind)), type(effect).__name__)
 
 
 def parameters(effect: Effect) -> dict[str, Any]:

@@ -70,8 +70,10 @@ def filled(points, effective):
             if size == 0 or x[i] > x[hull[size - 1]]:  # what stands above a corner is no floor
                 hull[size] = i
                 size += 1
-        right = 0
+        right, margin = 0, 1e-9 * (x[hull[size - 1]] - x[hull[0]])
         for i in order:
+            if not x[hull[0]] + margin < x[i] < x[hull[size - 1]] - margin:
+                continue  # a vertical end has nothing below it
             while right < size - 1 and x[hull[right]] < x[i]:
                 right += 1
             a, b = hull[max(right - 1, 0)], hull[right]

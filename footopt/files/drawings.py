@@ -18,7 +18,7 @@ from footopt.files.io import numbers, parse_table, read_bytes, read_text
 UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "pt": 0.0254 / 72, "px": 0.0254 / 96}  # m
 CHORD_TOLERANCE = 2e-5  # largest distance of a flattened curve from itself, m
 JOIN_DISTANCE = 1e-5  # ends of lines nearer than this are one point, m
-WITHOUT_HEADER = re.compile(r"(?:\s*#.*\n)*\s*[-+.]?\d[\d.,e+-]*([;,\t ])")  # and the mark between cells
+WITHOUT_HEADER = re.compile(r"(?:\s*#.*\n)*\s*[-+.]?\d[\d.,eE+-]*([;,\t ])")  # and the mark between cells
 COLUMN = re.compile(r"([xzy])(?:[_ ]*[(\[]?([a-z]+)[)\]]?)?", re.IGNORECASE)  # and its unit
 INSUNITS = {1: "in", 4: "mm", 5: "cm", 6: "m"}  # of $INSUNITS
 CURVES = ("ARC", "CIRCLE", "ELLIPSE", "SPLINE")

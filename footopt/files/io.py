@@ -61,6 +61,8 @@ def parse_table(text: str) -> Table:
     mark = next((mark for mark in ";\t," if lines and mark in lines[0]), " ")
     reader = csv.reader(lines, skipinitialspace=True, delimiter=mark)
     header, *rows = [[cell.strip() for cell in row] for row in reader] or [[]]
+    if mark != ",":
+        rows = [[re.sub(r"^([-+]?\d*),(\d+)", r"\1.\2", cell) for cell in row] for row in rows]
     for i, row in enumerate(rows, start=1):
         if len(row) != len(header):  # more as with decimal commas
             raise Unusable(
@@ -70,11 +72,11 @@ def parse_table(text: str) -> Table:
 
 
 def numbers(table: Table, name: str) -> Array:
-    """A column as numbers (rows,), which may have decimal commas; raises `Unusable` if one is none."""
+    """A column as numbers (rows,); raises `Unusable` if one is none."""
     found = np.empty(len(table[name]))
     for i, cell in enumerate(table[name]):
         try:
-            found[i] = float(cell.replace(",", "."))
+            found[i] = float(cell)
         except ValueError:
             found[i] = math.nan
         if not math.isfinite(found[i]):

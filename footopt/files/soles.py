@@ -146,8 +146,7 @@ def lower_edge(outline: Array) -> Array:
         outline = outline[::-1]  # counter-clockwise, the lower edge runs to the right
     x, z = outline.T
     ends = [int(np.argmin(np.where(side <= JOIN_DISTANCE, z, np.inf))) for side in (x - x.min(), x.max() - x)]
-    rolled = np.roll(outline, -ends[0], axis=0)
-    return rolled[: (ends[1] - ends[0]) % len(outline) + 1]
+    return np.roll(outline, -ends[0], axis=0)[: (ends[1] - ends[0]) % len(outline) + 1]
 
 
 def check_size(points: Array, origin: str) -> None:

@@ -64,6 +64,12 @@ class Foot:
         check_dimensions(self.width, self.ankle, self.top)
         object.__setattr__(self, "ankle", tuple(self.ankle))
         object.__setattr__(self, "contour", contour)
+        if self.space is not None and self.k is not None:  # of a foot that `replace` has changed, too
+            own = {name: getattr(self, name) for name in ("width", "ankle", "closed", "top")}
+            space, drawn = replace(self.space, **own), self.space.contour(self.k)[0]
+            there = contour.shape == drawn.shape and np.allclose(contour, drawn, rtol=0, atol=1e-9)
+            for name, value in {"k": self.k, "space": space}.items():
+                object.__setattr__(self, name, value if there else None)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Foot) and self._geometry() == other._geometry()
@@ -152,7 +158,7 @@ class Foot:
     def hollow(self) -> float:
         """Largest gap, along z_p, between the sole and its lower convex hull, m: 0 for a convex sole."""
         _, _, low, high = lower_hull(self.contour)
-        return high - low
+        return high - low if high - low > 1e-12 else 0.0
 
     @property
     def box_violation(self) -> float | None:

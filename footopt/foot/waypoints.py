@@ -70,6 +70,7 @@ class Waypoints:
         check_length("foot.L", self.L)
         check_length("foot.H", self.H)
         check_dimensions(self.width, self.ankle, self.top)
+        object.__setattr__(self, "ankle", tuple(self.ankle))
         allowed = "a number >= 0, in units of H (.inf: no constraint, as in the paper)"
         check(self.box_tolerance >= 0, "foot.box_tolerance", self.box_tolerance, allowed)
 

@@ -132,6 +132,8 @@ class Gait:
         check(self.pitch in ("shank", "measured"), "gait.pitch", self.pitch, "shank or measured")
         if self.pitch == "measured" and self.foot is None:
             raise SettingError("gait.pitch", "measured", "shank: this gait has no measured pitch of the foot")
+        for name, s in self.series.items():
+            object.__setattr__(self, name, Fourier(s.a0, tuple(s.a), tuple(s.b)))
         finite = all(np.isfinite([s.a0, *s.a, *s.b]).all() for s in self.series.values())
         check(finite, "gait", self.name, "made of finite coefficients")
 

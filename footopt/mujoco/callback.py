@@ -78,7 +78,7 @@ def with_effects(effects: bytes) -> Any:
 def callback() -> Any:
     """The function that MuJoCo calls; where mjData is not `ATTACHED`, it stops feet that fall through."""
     table_address, lost = ATTACHED.ctypes.data, ctypes.addressof(LOST)
-    row_of, place_of, stop = functions("mj_name2id", "mj_local2Global", "mju_error")
+    row_of, place_of, stop, state_of = functions("mj_name2id", "mj_local2Global", "mju_error", "mj_getState")
 
     @cfunc(types.void(types.intp, types.intp))
     def passive(model, data):
@@ -89,6 +89,9 @@ def callback() -> Any:
                 return
         place = np.zeros(3)
         at = place.ctypes.data
+        call(state_of, (model, data, at, np.int32(1)))  # mjSTATE_TIME
+        if place[0] <= 0.0:  # as in the step by which MuJoCo tries a model that it compiles
+            return
         for row in range(MOST):
             body = call(row_of, (model, np.int32(1), table[row, 3])) if table[row, 0] else -1  # mjOBJ_BODY
             if body > 0:

@@ -278,8 +278,9 @@ class Run:
         """The Pareto front as walked finely, the answer first: a pandas DataFrame of k1 ... and values."""
         import pandas
 
-        heights, found = self.result.get("front") or [], self.result
-        values = pandas.DataFrame(found["front_values"], columns=found["front_columns"]) if heights else None
+        heights, found = self.result.get("front"), self.result
+        check(heights, "run", str(self.folder), "a search of several objectives, which alone has a front")
+        values = pandas.DataFrame(found["front_values"], columns=found["front_columns"])
         return pandas.DataFrame(heights).rename(columns=lambda i: f"k{i + 1}").join(values)
 
     @property

@@ -72,8 +72,7 @@ class Objective:
     @property
     def label(self) -> str:
         """Axis label with its unit."""
-        title = self.name.replace("_", " ")
-        return f"{title} {self.symbol}" + (f" ({self.unit})" if self.unit else "")
+        return f"{self.name.replace('_', ' ')} {self.symbol}" + (f" ({self.unit})" if self.unit else "")
 
 
 #: By name: those that cost nothing beside the walk, which every table shows.
@@ -240,7 +239,7 @@ def offered(simulator: Simulator) -> tuple[str, ...]:
                 o.value(ones, simulator)
             elif o.of == "walk" and not simulator.traces:
                 continue
-        except KeyError:
+        except (KeyError, AttributeError):  # of a scene's own, such as its walker
             continue
         found.append(name)
     return tuple(found)

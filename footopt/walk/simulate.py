@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from footopt.arrays import Array
-from footopt.errors import check_kind
+from footopt.errors import check, check_kind
 from footopt.foot import Foot, Waypoints, as_feet
 from footopt.walk.accuracy import Accuracy, AnyAccuracy, resolve
 from footopt.walk.ladder import numerics
@@ -90,6 +90,7 @@ def evaluate(
     """
     scene, accuracy = _scene(scene), resolve(accuracy)
     bodies = as_feet(feet, space)
+    check(len(bodies) > 0, "feet", "[]", "at least one foot")
     scene.need_heel_strike()
     if objectives is None:
         objectives = [name for name in FIVE if name in offered(scene)]

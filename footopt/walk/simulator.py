@@ -17,6 +17,7 @@ from footopt.foot import Foot, Waypoints
 from footopt.sand import Sand
 from footopt.sand.law import EARTH
 from footopt.walk.accuracy import Accuracy, Tolerance
+from footopt.walk.own_code import own_code
 
 
 class Walked(NamedTuple):
@@ -102,8 +103,10 @@ class Simulator(ABC):
         return None
 
     def own(self) -> tuple[Any, ...]:
-        """A user's own functions and types that determine a walk."""
-        return ()
+        """Functions and types that determine a walk, a user's own among them: its class, and its effects."""
+        effects, kinds = getattr(self, "effects", ()), type(self).__mro__
+        laws = [effect.law for effect in effects if effect.law is not None]
+        return (*kinds[: kinds.index(Simulator)], *map(type, effects), *own_code(laws))
 
     @property
     def title(self) -> str:

@@ -29,7 +29,7 @@ class TestTheSole:
         assert np.array_equal(found[:, 0], points[:, 0])
         np.testing.assert_allclose(found[:, 1] - below, part * (points[:, 1] - below), atol=1e-11)
 
-    @pytest.mark.parametrize("name", ["rectangle", "circle", "ellipse"])
+    @pytest.mark.parametrize("name", ["rectangle", "circle", "ellipse", "reversed_l", "reversed_triangle"])
     def test_a_convex_sole_stays_as_it_is_to_the_last_bit(self, name):
         points = fo.Foot.shape(name).points(300)[None]
         assert np.array_equal(filled(points, 0.0), points)
@@ -39,8 +39,9 @@ class TestTheSole:
         x = np.repeat(np.linspace(-0.05, 0.05, 8), 2)  # four blades
         comb = np.stack([x, np.tile([0.0, -0.012, -0.012, 0.0], 4)], axis=-1)[::turn]
         found = filled(comb[None], 1.0 / 3.0)[0]
+        assert np.array_equal(found[[0, -1]], comb[[0, -1]])  # before the first and behind the last is sand
         assert found[:, 1].min() == -0.012
-        assert np.ptp(found[:, 1]) == pytest.approx(0.004)
+        assert np.ptp(found[1:-1, 1]) == pytest.approx(0.004)
 
 
 K = [5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4]

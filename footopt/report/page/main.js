@@ -200,24 +200,6 @@ function searchSection() {
   return { section, draw };
 }
 
-/** Which waypoints mattered, from heel to toe, for each objective. */
-function importanceSection() {
-  const holders = data.importance.map(() => el("div", { class: "plot" }));
-  const draw = () => data.importance.forEach(({ name, shares, explained }, j) => {
-    const width = widthOf(holders[j]), wide = (width - 8) / shares.length, most = Math.max(...shares), title = columnOf(name).title;
-    holders[j].replaceChildren(svg("svg", { viewBox: `0 0 ${width} 132`, height: 132, role: "img", "aria-label": `Importance of waypoints for ${title}: ${shares.map((share, p) => `k${p + 1} ${percent(share)}`).join(", ")}` },
-      svg("text", { x: 4, y: 13 }, svg("tspan", { style: "font-weight:600" }, title), svg("tspan", { style: "fill:var(--grey)" }, `  the fit explains ${percent(explained)} of its variance`)),
-      ...shares.flatMap((share, p) => [
-        svg("rect", { class: "importance", x: 4 + wide * (p + 0.15), width: 0.7 * wide, y: 112 - (72 * share) / most, height: Math.max((72 * share) / most, 0.5), fill: "var(--designs)" }),
-        svg("text", { x: 4 + wide * (p + 0.5), y: 106 - (72 * share) / most, "text-anchor": "middle" }, wide > 24 ? `${Math.round(100 * share)}` : ""),
-        svg("text", { x: 4 + wide * (p + 0.5), y: 127, "text-anchor": "middle" }, wide > 24 ? `k${p + 1}` : `${p + 1}`)])));
-  });
-  const section = el("section", { id: "importance" }, el("h2", {}, "Which waypoints mattered"),
-    el("p", { class: "note" }, "Importance in %, from heel to toe, among the designs of this search: the rise of a quadratic fit's squared error where the levels of one waypoint are shuffled."),
-    el("div", { class: "grid plots" }, ...holders.map((holder) => el("figure", {}, holder))));
-  return { section, draw };
-}
-
 /** A text (or an element) that may run over several lines of a table; a path breaks after a slash. */
 const words = (text) => el("span", { class: "words" },
   ...(typeof text === "string" ? text.split(/(?<=\/)/).flatMap((part, i) => (i ? [el("wbr"), part] : [part])) : [text]));
@@ -306,15 +288,14 @@ function build() {
   const found = data.history?.length ? searchSection() : null, traces = data.traces?.length ? tracesSection() : null;
   if (data.figures) main.append(...studySections());
   if (data.runs) main.append(runsSection(choose));
-  const answer = [COUNT && (small || COUNT === 1) ? design.section : null, walks?.section], matters = data.importance?.length ? importanceSection() : null;
-  main.append(...[...(front.size ? [explore?.section, ...answer] : [...answer, explore?.section]), matters?.section, found?.section, traces?.section].filter(Boolean));
+  const answer = [COUNT && (small || COUNT === 1) ? design.section : null, walks?.section];
+  main.append(...[...(front.size ? [explore?.section, ...answer] : [...answer, explore?.section]), found?.section, traces?.section].filter(Boolean));
   for (const select of document.querySelectorAll("select[id]")) // as the address has it
     if ([...select.options].some(({ value }) => value === address.get(select.id))) select.value = address.get(select.id);
   if (data.entry) document.getElementById("footer").append(...footer());
   chosen.push(...(COUNT ? [design.show] : []), ...[walks?.show, small?.show, explore?.mark].filter(Boolean));
   if (traces) drawn(traces.draw);
   if (found) drawn(() => found.draw());
-  if (matters) drawn(matters.draw);
   if (explore) { explore.filter(); drawings.push(explore.redraw); }
   if (COUNT) { recall(); drawings.push(design.redraw); }
   if (walks) drawings.push(walks.redraw);

@@ -11,7 +11,6 @@ from footopt.design.result import SHOWN
 from footopt.foot import Foot, Waypoints
 from footopt.report.numbers import sand_title, title
 from footopt.report.page.file import column, packed
-from footopt.report.page.importance import importance
 from footopt.report.page.physics import physics, spline
 from footopt.report.stage import forces_along, ground, groups
 from footopt.report.style import sides
@@ -114,10 +113,6 @@ def search_content(
         "history": [] if exact else [
             {"evaluations": g.evaluations, "best": g.hypervolume if several else g.best,
              "median": g.median, "front": g.front} for g in result.history
-        ],
-        "importance": [
-            {"name": name, **found}
-            for name in problem.names if (found := importance(result.k, result.column(name)))
         ],
     }  # fmt: skip
 
