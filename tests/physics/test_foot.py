@@ -1,6 +1,7 @@
 """The foot: a spline through waypoints, the paper's five shapes, and the plates they are cut into."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -238,6 +239,12 @@ class TestFoot:
         assert (foot.width, foot.ankle) == (0.07, (0.0, 0.04))
         assert foot.contour[0, 0] == -0.1
         assert foot.contour[-1].tolist() == pytest.approx([0.1, -0.02])
+
+    def test_replaced_it_is_what_it_says(self):
+        foot = fo.Foot.from_waypoints([1, 2, 3, 4, 5], K=5)
+        assert replace(foot, closed=True).space.closed
+        turned = fo.Foot(foot.contour[::-1] * [-1.0, 1.0], name=foot.name)
+        assert replace(foot, contour=turned.contour) == turned
 
     def test_made_again_is_the_same_foot_but_for_its_name(self):
         """So that the numbers of an accuracy are found once for a sole that is read again."""

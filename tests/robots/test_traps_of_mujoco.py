@@ -52,6 +52,7 @@ def test_a_foot_of_data_that_are_not_attached_does_not_fall_through(request):
     model = spec.compile()
     data = mujoco.MjData(model)
     request.addfinalizer(attach(model, data, {"foot": fo.Foot.flat()}, HARD).detach)
+    assert spec.copy().compile().nbody == model.nbody  # which tries a step of its own
     settle(model, data, 0.5)
     for own, foreign in ((model, copy.copy(data)), spec.recompile(model, data)):
         with pytest.raises(mujoco.FatalError, match="fell through"):

@@ -104,6 +104,25 @@ def test_neighbours_that_change_more_than_finalists_are_compared_finely_too(fina
     assert certificate.steps == len(result.k) - len(first.k)
 
 
+class Limited(Formula):
+    """The best of all takes more work by the finer accuracy."""
+
+    def walk(self, k):
+        values, reasons = super().walk(k)
+        best = values[:, self.record.index("efficiency")] < -1.0997e-4
+        values[:, self.record.index("work")] += best * (self.accuracy == FINER)
+        return values, reasons
+
+
+def test_a_design_that_breaks_a_limit_at_the_finer_accuracy_is_not_certified():
+    p = Limited(space=SMALL, accuracy=QUICK, limits={"work": 1.5})
+    first = search(p, "exhaustive")
+    _, confirmed, certificate = certified(first, FINER, 1, Evaluator(p))
+    assert certificate.k != tuple(first.k[first.best])
+    assert certificate.holds
+    assert confirmed.good[0]
+
+
 def test_walks_are_counted_kept_and_read_again(poor, found, tmp_path):
     with Store(tmp_path / "s.sqlite", poor.problem) as store:
         result, _, certificate = certified(poor, FINER, 5, Evaluator(poor.problem, store))

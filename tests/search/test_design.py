@@ -69,8 +69,7 @@ class TestProblem:
 
 class TestSearch:
     @pytest.mark.parametrize(
-        "name",
-        [pytest.param(n, marks=pytest.mark.slow) if n in ("agemoea2", "rvea") else n for n in ASKED],
+        "name", [pytest.param(n, marks=pytest.mark.slow) if n in ("agemoea2", "rvea") else n for n in ASKED]
     )
     def test_a_seed_asks_for_the_soles_that_it_always_has(self, name):
         k = search(problem(objective_of(name), space=fo.Waypoints(n=7)), name, pop_size=12, n_gen=4, seed=1).k

@@ -185,6 +185,7 @@ class TestRobustProblem:
             problem([replace(SANDS[0], ankle=(0.01, 0.0)), *SANDS[1:]]),
             problem(measure="tail", tail=0.3),
             problem(references=[1.0, 2.0, 3.0]),
+            problem(objective="distance"),
             fo.FootProblem(SANDS[0].scene, "efficiency", SMALL, COARSE),
         ]
         digests = [digest(key_of(p)) for p in others]

@@ -25,10 +25,7 @@ def other(foot):
     return dict.fromkeys(FIVE, 1.0)
 
 
-@pytest.fixture(
-    scope="module",
-    params=["walker", "function", pytest.param("robot", marks=pytest.mark.slow)],
-)
+@pytest.fixture(scope="module", params=["walker", "function", pytest.param("robot", marks=pytest.mark.slow)])
 def simulator(request):
     if request.param == "robot":
         pytest.importorskip("mujoco")

@@ -5,6 +5,7 @@ import dataclasses
 import math
 import sqlite3
 import threading
+from functools import partial
 
 import numpy as np
 import pytest
@@ -44,6 +45,27 @@ def walked(monkeypatch):
 
     monkeypatch.setattr("footopt.design.problem.evaluate", counted)
     return designs
+
+
+def factory(by):
+    return lambda foot: {"work": by + foot.hollow}
+
+
+def bound(foot, by):
+    return {"work": by * foot.hollow}
+
+
+class Own(fo.Inertia):
+    """An effect by the law of another."""
+
+
+def test_a_key_has_what_functions_are_bound_to_and_the_effects_of_every_scenario():
+    functions = [factory(1.0), factory(2.0), partial(bound, by=1.0), partial(bound, by=2.0)]
+    made = [fo.Simulator.from_function(one, ["work"]) for one in functions]
+    assert len({digest(key_of(fo.FootProblem(one, "work", SMALL, QUICK))) for one in made}) == 4
+    several = [fo.Scenario("plain", fo.Scene()), fo.Scenario("own", fo.Scene(effects=(Own(),)))]
+    robust = fo.RobustProblem(several, space=SMALL, accuracy=QUICK, references=np.ones(2))
+    assert f"{__name__}.Own" in key_of(robust)["own"]
 
 
 class TestReplay:

@@ -95,11 +95,7 @@ class TestEnergy:
             walk = fo.simulate(foot, fo.Scene(sand=fo.Sand(zeta)))
             assert energy_gap(walk) < (1e-3 if zeta <= 5.0 else 5e-3)
 
-    @given(
-        st.floats(-math.pi / 2, math.pi / 2),
-        st.floats(-math.pi, math.pi),
-        st.floats(-4.0, 4.0),
-    )
+    @given(st.floats(-math.pi / 2, math.pi / 2), st.floats(-math.pi, math.pi), st.floats(-4.0, 4.0))
     def test_the_smoothed_law_lends_no_more_than_its_bound(self, beta, direction, decade):
         eps = 1e-4
         velocity = eps * 10.0**decade * np.array([math.cos(direction), math.sin(direction)])

@@ -12,17 +12,7 @@ import footopt as fo
 from footopt.foot import Soles
 from footopt.walk import discretize
 from footopt.walk.accuracy import PRESETS, TOLERANCES
-from footopt.walk.ladder import (
-    DEEP,
-    SHARE,
-    Rung,
-    changes_of,
-    climb,
-    ladder,
-    numbers_at,
-    numerics,
-    worst,
-)
+from footopt.walk.ladder import DEEP, SHARE, Rung, changes_of, climb, ladder, numbers_at, numerics, worst
 from footopt.walk.ladder import _top as finest
 
 PAPER = fo.Waypoints()
@@ -59,8 +49,7 @@ class Halving:
 
 class TestTheClimb:
     @given(
-        st.lists(st.floats(1e-4, 0.02), min_size=3, max_size=3),
-        st.sampled_from(sorted(TOLERANCES.values())),
+        st.lists(st.floats(1e-4, 0.02), min_size=3, max_size=3), st.sampled_from(sorted(TOLERANCES.values()))
     )
     def test_ends_within_the_tolerance_and_not_far_below(self, errors, tolerance):
         walk = Halving(errors)
