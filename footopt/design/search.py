@@ -176,7 +176,8 @@ def _begun(problem: FootProblem, solver: Solver, known: Known, start: Any, termi
     solver.check_space(problem.space)
     algorithm = solver.build(problem.n_obj)
     algorithm.data[KNOWN] = known
-    needed = (solver.walks or WALKS) // (getattr(algorithm, "pop_size", None) or solver.size) + 1
+    size = getattr(algorithm, "pop_size", None)  # a variable of pymoo's in G3PCX
+    needed = (solver.walks or WALKS) // (size if isinstance(size, int) and size else solver.size) + 1
     most = solver.n_gen or REPEATS * max(needed, solver.generations(problem.space))
     ends = copy.deepcopy(termination) or ("n_gen", most)
     try:

@@ -44,8 +44,7 @@ def changed(config: Config, choice: str, value: Any) -> Config:
     if choice == "effects":
         choice, value = f"effects.{value}", EFFECTS[value]()
     group, name = choice.split(".")
-    part = replace(getattr(config, group), **{name: value})
-    return replace(config, **{group: part})
+    return replace(config, **{group: replace(getattr(config, group), **{name: value})})
 
 
 def changes(config: Config) -> Iterator[tuple[str, Config]]:
