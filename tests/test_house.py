@@ -15,12 +15,7 @@ ROOT = Path(footopt.__file__).parent
 ROOMS = ("arrays", "errors", "compiled", "sand", "effects", "foot", "gait", "walk", "mujoco", "design",
          "files", "report", "studies", "cli")  # fmt: skip
 #: Libraries that one room only may import.
-SEAMS = {
-    "pymoo": "design",
-    "moocore": "design",
-    "hydra": "cli",
-    "matplotlib": "report",
-}
+SEAMS = {"pymoo": "design", "moocore": "design", "hydra": "cli", "matplotlib": "report"}
 HEAVY = {"numpy", "numba", "scipy", "pymoo", "hydra", "omegaconf", "matplotlib", "ezdxf", "rich", "pandas",
          "xarray", "shapely", "trimesh"}  # fmt: skip
 LONGEST = 350  # lines of a file

@@ -64,9 +64,8 @@ def groups() -> dict[str, list[str]]:
 
 def hydra_overrides(overrides: Sequence[str]) -> list[str]:
     """The overrides of a command line as Hydra takes them: run=, objective=[, foot=[, ~/ and .inf in full."""
-    full = [re.sub(r"^run=", "study.run=", one) for one in overrides]
-    full = [re.sub(r"^objective=\[", "objective.names=[", one) for one in full]
-    full = [re.sub(r"^foot=\[", "foot.k=[", one) for one in full]
+    short = {"run=": "study.run=", "objective=[": "objective.names=[", "foot=[": "foot.k=["}
+    full = [re.sub(r"^(run=|objective=\[|foot=\[)", lambda found: short[found[0]], one) for one in overrides]
     at_home = [re.sub(r"([=,\[])~/", rf"\1{Path.home().as_posix()}/", one) for one in full]
     return [re.sub(r"([=,\[]-?)\.inf(?=[,\]]|$)", r"\1inf", one) for one in at_home]
 

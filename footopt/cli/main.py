@@ -266,7 +266,9 @@ def _resume_run(folder: Path, changes: Mapping[str, Any], given: Sequence[str]) 
     if FORCE in given and searches(run.settings["study"]["name"]):
         settings.study.reuse = True
     for name, value in changes.items():
-        OmegaConf.update(settings, name, value, merge=False)
+        parent, _, key = name.rpartition(".")
+        absent = OmegaConf.select(settings, parent) is None  # choose.weights of a run that had none
+        OmegaConf.update(settings, *((parent, {key: value}) if absent else (name, value)), merge=False)
     plain: Any = OmegaConf.to_container(settings, resolve=True)
     check_resumable(folder, run.settings, plain)
     overrides = [one for one in given if "=" in one and not one.startswith("resume=")]

@@ -47,7 +47,7 @@ def translate(error: BaseException, overrides: Sequence[str]) -> FootoptError | 
     cause, names = error.__cause__ or error, known()
     text = str(cause).partition("\n")[0]
     key = (getattr(cause, "full_key", None) or "").partition("[")[0]  # of a list, without the place in it
-    group, _, choice = (getattr(error, "missing_cfg_file", None) or "").partition("/")
+    group, choice = re.findall(r"(hydra/\w+|[^/]*)/?(.*)", getattr(error, "missing_cfg_file", None) or "")[0]
     # footopt =soft, footopt study=simulate foot.k=[1, 2]
     if bad := next((one for one in overrides if one.startswith("=")), getattr(error, "override", "")):
         return FootoptError(f"{bad}: {_syntax(*bad.partition('='))}")
@@ -79,8 +79,7 @@ def translate(error: BaseException, overrides: Sequence[str]) -> FootoptError | 
     inner = ((name, one) for name in parts for one in names if one.startswith(f"{name}."))
     if "is not a subclass of" in text and (found := next(inner, None)):
         return SettingError(found[0], given[found[0]], f"set by its parts, such as {found[1]}")
-    # footopt foot.width=wide
-    if kind := next((KINDS[part] for part in KINDS if part in text and key in given), ""):
+    if kind := next((KINDS[part] for part in KINDS if part in text and key in given), ""):  # foot.width=wide
         return SettingError(key, given[key], kind)
     if isinstance(error, OmegaConfBaseException) and key:
         return FootoptError(f"{key}: {text}")

@@ -121,10 +121,7 @@ class Choice:
             check(good, f"choose.weights.{key}", value, "a number > 0")
 
     def check_names(self, names: Sequence[str], known: Sequence[str]) -> None:
-        """Raise a `SettingError` unless weights and limits are of these objectives, and can be kept.
-
-        known: the measures that there are.
-        """
+        """Raise a `SettingError` unless these objectives and the `known` measures allow the choice."""
         there = self.by != "efficiency" or "efficiency" in known
         check(there, "choose", self.by, "knee or another rule, as these walks have no efficiency")
         for setting, given in (("weights", self.weights), ("limits", self.limits)):

@@ -243,6 +243,9 @@ def key_of(problem: FootProblem) -> dict[str, Any]:
     kinds = type(problem).__mro__
     own = [*judges, *own_code((), stepper), *kinds[: kinds.index(FootProblem)]]
     own += [each for scene in scenes for each in scene.own()]
+    digests: dict[str, str] = {}
+    for name, digest in map(_fingerprint, filter(is_own, own)):
+        digests[name] = digests.get(name, "") + digest * (digest not in digests.get(name, ""))
     return {
         "problem": type(problem).__name__,
         **{name: plain(value) for name, value in problem.conditions.items()},
@@ -250,7 +253,7 @@ def key_of(problem: FootProblem) -> dict[str, Any]:
         "space": space,
         "record": plain(problem.record),
         # the files of a user's own objectives, effects, stepper and problem
-        "own": dict(map(_fingerprint, filter(is_own, own))),
+        "own": digests,
         "versions": _versions(),
         "machine": target(),
     }

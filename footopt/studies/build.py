@@ -95,9 +95,7 @@ def make_sand(config: SandConfig) -> Sand:
         return Sand(zeta=config.zeta, stress_map=stress_map, name=name)
     if stress_map != GENERIC:
         raise SettingError("sand.table", config.table, "null when sand.coefficients are changed")
-    multiplied = (
-        MEDIA.get(config.name) == config.zeta != 1.0
-    )  # its stresses, by a zeta that was not asked for
+    multiplied = MEDIA.get(config.name) == config.zeta != 1.0  # by a zeta that was not asked for
     check(not multiplied, "sand.table", config.table, f"null with sand={config.name}", "Try sand=custom.")
     fitted = read_sand(config.table, zeta=config.zeta)
     return fitted if config.name in (Sand.name, *MEDIA) else replace(fitted, name=config.name)

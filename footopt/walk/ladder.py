@@ -45,7 +45,7 @@ SAFE_DEEP = 4 / 3  # as `SAFE`, of rungs that leave a quarter of an error
 ALIKE = 2.0  # times the next one's: up to here the worst probe's error counts in a look further up
 NEARLY = 1.25  # times the smallest error: as good where none is small enough
 MOST = 1000.0  # walks in whose work the numbers are found: a fifth of a search of 5,000
-DEAREST = 2e10  # evaluations of a plate in which any numbers are found: a minute or two
+MOST_WORK = 2e10  # evaluations of a plate in which any numbers are found: a minute or two
 CHEAP = 0.02  # of a walk's work: what a rung costs at least
 
 PROBES, DRAWN = 10, 40  # random soles of a space that walk, of those that are drawn
@@ -232,8 +232,8 @@ def climb(
         least = min(near, key=lambda one: at(one)[1])
         return Found(least, worst(errors[least], ALIKE), at(least)[1])
 
-    def dear(more: float, work: float) -> bool:
-        return price() + more > min(most * work, DEAREST)
+    def too_expensive(more: float, work: float) -> bool:
+        return price() + more > min(most * work, MOST_WORK)
 
     def price() -> float:
         return sum(len(values) * cost for values, cost in walked.values())
@@ -252,7 +252,7 @@ def climb(
             passed.append(Found(rung, error, cost))
             if passed[-1].error <= allowed:
                 grows = math.prod((ups[0][1] / cost) ** n for ups, n in zip(finer, deep or NEXT, strict=True))
-                if deep is None or dear(len(values) * grows * cost, cost):
+                if deep is None or too_expensive(len(values) * grows * cost, cost):
                     break
                 by, safe, passed = deep, SAFE_DEEP, []
                 continue
@@ -269,12 +269,12 @@ def climb(
         look = len(values) * (cost + sum(other for ups in finer for _, other in ups))
         good = NEARLY * min(one.error for one in passed)
         least = min(one.work for one in passed if one.error <= good)
-        if dear(look * (finer[side][0][1] / cost) ** rungs, least):
+        if too_expensive(look * (finer[side][0][1] / cost) ** rungs, least):
             break
         rung = rung.up(NEXT.sides()[side], rungs, top)
     found = passed[-1]
     if by is deep and found.error <= allowed:
-        found = _descended(found, at, up(deep), AGAIN * allowed, lambda one: not dear(0.0, one.work))
+        found = _descended(found, at, up(deep), AGAIN * allowed, lambda one: not too_expensive(0.0, one.work))
     elif found.error > allowed:
         found = closest()
     return found._replace(price=price(), path=tuple(dict.fromkeys(path)))

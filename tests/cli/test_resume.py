@@ -119,6 +119,12 @@ class TestIdentity:
         assert footopt("resume=begun", "--trust", cwd=tmp_path).returncode == 0
         assert (tmp_path / "made").exists()
 
+    def test_weights_may_be_given_to_a_run_that_had_none(self, begun, tmp_path, monkeypatch):
+        ran = []
+        monkeypatch.setattr("footopt.cli.main.run_study", lambda *of: ran.append(of))
+        done = footopt("resume=begun", "choose=weights", "choose.weights.work=3", cwd=tmp_path)
+        assert (done.returncode, ran[0][0].choose.weights) == (0, {"work": 3.0})
+
 
 class TestResume:
     def test_goes_on_with_the_settings_of_the_run_and_a_larger_budget(self, finished, tmp_path):

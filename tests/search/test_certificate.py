@@ -115,9 +115,8 @@ class Limited(Formula):
 
 
 def test_a_design_that_breaks_a_limit_at_the_finer_accuracy_is_not_certified():
-    p = Limited(space=SMALL, accuracy=QUICK, limits={"work": 1.5})
-    first = search(p, "exhaustive")
-    _, confirmed, certificate = certified(first, FINER, 1, Evaluator(p))
+    first = search(Limited(space=SMALL, accuracy=QUICK, limits={"work": 1.5}), "exhaustive")
+    _, confirmed, certificate = certified(first, FINER, 1, Evaluator(first.problem))
     assert certificate.k != tuple(first.k[first.best])
     assert certificate.holds
     assert confirmed.good[0]
