@@ -87,6 +87,14 @@ def check_whole(value: Any, setting: str, least: int, most: int, hint: str = "")
     check(good, setting, value, f"a whole number from {least} to {most:,}", hint)
 
 
+def check_free(name: str, taken: Any, new: Any) -> None:
+    """Raise `SettingError` if a plugin gives something the name of what is there, but of another module."""
+    good = taken is None or taken.__module__ == new.__module__
+    check(
+        good, "plugins", name, "of another name", f"{getattr(taken, '__module__', '')} has one of this name."
+    )
+
+
 def check_kind(value: object, kind: type, setting: str, hint: str) -> None:
     """Raise `SettingError` unless `value` is a `kind`: what is only used later would fail far from here."""
     check(isinstance(value, kind), setting, value, f"of type {kind.__name__}", hint)

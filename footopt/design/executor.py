@@ -53,7 +53,7 @@ def _processes(workers: int) -> Iterator[Executor]:
     from loky import get_reusable_executor
 
     main = threading.current_thread() is threading.main_thread()
-    before = _leave_interrupts() if main else None
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN) if main else None
     try:
         # a worker that waits while another one compiles must not leave: loky's own timeout is 10 s
         options = {"initializer": _start_worker, "env": {"NUMBA_NUM_THREADS": "1"}}
@@ -72,11 +72,7 @@ def _processes(workers: int) -> Iterator[Executor]:
 def _start_worker(places: tuple[str, ...]) -> None:
     """Find the modules of plugins, and leave Ctrl-C, which all processes of a terminal get, to the search."""
     sys.path[:] = places
-    _leave_interrupts()
-
-
-def _leave_interrupts() -> Any:
-    return signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def walk(problem: FootProblem, k: Ints) -> tuple[Array, Words]:
@@ -91,7 +87,7 @@ def walk(problem: FootProblem, k: Ints) -> tuple[Array, Words]:
         raise
     except Exception as error:
         if len(k) == 1:
-            words = f"{ERROR}: {type(error).__name__}: {error}".split()
+            words = f"{ERROR} {type(error).__name__}: {error}".split()
             reason = shortened(" ".join(words), LONGEST)
             return np.full((1, len(problem.record)), np.nan), np.array([reason])
     return _joined(walk(problem, one) for one in np.split(k, len(k)))

@@ -137,14 +137,6 @@ class SearchResult:
         """Constraints of `X`, met where at most 0: (front, constraints), or (constraints,) of one best."""
         return np.asarray(self._of_pymoo(self.problem.constraints(self.values, self.reasons, self.violation)))
 
-    @property
-    def opt(self) -> Any:
-        """`X`, `F` and `G` as a pymoo Population."""
-        from pymoo.core.population import Population
-
-        X, F, G = (np.atleast_2d(column) for column in (self.X, self.F, self.G))
-        return Population.new(X=X, F=F, G=G)
-
     def _of_pymoo(self, rows: Any) -> Any:
         """Rows of the front; the one best is none."""
         chosen = rows[self.front]

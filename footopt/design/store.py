@@ -2,8 +2,7 @@
 
 A design is kept under its heights and its key: all that determines its values, to the last bit, which is a
 row of the table `context`. A search with the same seed asks for the same designs in the same order, so that a
-search is resumed by running it again: what it had is read, what is missing is walked. For each key a view,
-`designs_1` and so on, has columns that any program reads.
+search is resumed by running it again: what it had is read, what is missing is walked.
 """
 
 from __future__ import annotations
@@ -16,7 +15,7 @@ import sqlite3
 import sys
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 from functools import cache, partial
 from importlib.metadata import version
 from pathlib import Path
@@ -35,7 +34,7 @@ from footopt.walk.steppers import STEPPERS
 APPLICATION = int.from_bytes(b"foot")  # marks the file as ours (SQLite's application_id)
 LAYOUT = 4  # of the tables below (SQLite's user_version)
 PATIENCE = 30.0  # s, for another process that writes
-ERROR = "error"  # what the reason of a design begins with whose walk has raised an exception
+ERROR = "error:"  # what the reason of a design begins with whose walk has raised an exception
 #: Of a key, what no setting says: the same settings may be walked by other code, on another machine.
 CODE = ("own", "versions", "machine")
 SHOWN = 4  # differences between two keys that a message names
@@ -54,7 +53,7 @@ SET record = excluded.record, reason = excluded.reason WHERE reason LIKE '{ERROR
 """
 
 
-class Store:
+class Store(AbstractContextManager["Store"]):
     """The evaluations of one problem in an SQLite file that other problems and processes may share.
 
     Parameters
@@ -97,9 +96,6 @@ class Store:
         except BaseException:
             self.close()
             raise
-
-    def __enter__(self) -> Store:
-        return self
 
     def __exit__(self, *error: object) -> None:
         self.close()
@@ -172,31 +168,20 @@ class Store:
         _log_ahead(connection)
 
     def _enter(self, connection: sqlite3.Connection) -> int:
-        """The number of this problem's key in the file, whose designs a view shows."""
+        """The number of this problem's key in the file."""
         name = digest(self._key)
         query = "SELECT id FROM context WHERE digest = ?"
         with _transaction(connection):
             if (row := connection.execute(query, (name,)).fetchone()) is not None:
                 return int(row[0])
             insert = "INSERT INTO context (digest, description) VALUES (?, ?)"
-            number = int(connection.execute(insert, (name, canonical(self._key))).lastrowid or 0)
-            heights = [f"json_extract(k, '$[{i}]') AS k{i + 1}" for i in range(self.problem.space.n)]
-            values = [
-                f"json_extract(record, '$[{i}]') AS \"{one}\"" for i, one in enumerate(self.problem.record)
-            ]
-            connection.execute(
-                f"CREATE VIEW designs_{number} AS SELECT {', '.join([*heights, *values])}, reason "
-                f"FROM design WHERE context = {number}"
-            )
-        return number
+            return int(connection.execute(insert, (name, canonical(self._key))).lastrowid or 0)
 
     @contextmanager
     def _explained(self) -> Iterator[sqlite3.Connection]:
         """The connection; SQLite's errors in the user's terms."""
         try:
             yield self._connection
-        except sqlite3.ProgrammingError:  # a store that has been closed
-            raise
         except sqlite3.Error as error:
             raise self._error(error) from None
 

@@ -32,7 +32,7 @@ from numba.extending import overload, register_jitable
 
 from footopt.arrays import Array
 from footopt.compiled import FAST, INLINE
-from footopt.errors import SettingError, check
+from footopt.errors import SettingError, check, check_free
 
 Reshape = Callable[[Array], Array]  # of soles (designs, points, 2), m
 
@@ -83,6 +83,7 @@ class Effect:
 
     def __init_subclass__(cls, name: str = "") -> None:
         if name:
+            check_free(name, EFFECTS.get(name), cls)
             EFFECTS[name] = cls
 
     def gravity(self, g: float) -> tuple[float, float]:
@@ -115,9 +116,12 @@ def ordered(effects: Sequence[Effect]) -> tuple[Effect, ...]:
     given = isinstance(effects, (list, tuple)) and all(isinstance(effect, Effect) for effect in effects)
     check(given, "effects", effects, "a list of effects", "Try effects=[fo.Rest(), fo.LeadingEdge()]")
     kinds = [type(effect) for effect in effects]
-    for kind in kinds:
-        if kinds.count(kind) > 1:
-            raise SettingError("effects", kind.__name__, "at most one effect of a kind")
+    for effect, kind in zip(effects, kinds, strict=True):
+        check(kinds.count(kind) == 1, "effects", kind.__name__, "at most one effect of a kind")
+        try:
+            hash(effect)
+        except TypeError as why:
+            raise SettingError("effects", kind.__name__, f"frozen, of numbers and tuples ({why})") from None
     order = list(EFFECTS.values())
     return tuple(sorted(effects, key=lambda e: order.index(type(e)) if type(e) in order else len(order)))
 

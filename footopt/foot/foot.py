@@ -59,8 +59,9 @@ class Foot:
     def __post_init__(self) -> None:
         contour = np.ascontiguousarray(self.contour, float)
         points = contour.ndim == 2 and contour.shape[1] == 2 and len(contour) >= 2
-        allowed = "at least two points (x_p, z_p), finite, in m"
-        check(points and np.isfinite(contour).all(), "foot.contour", contour.shape, allowed)
+        allowed = "at least two points (x_p, z_p) from -10 to 10, in m"
+        given = np.array2string(contour, threshold=6, separator=", ")
+        check(points and (np.abs(contour) <= 10.0).all(), "foot.contour", given, allowed)
         check_dimensions(self.width, self.ankle, self.top)
         object.__setattr__(self, "ankle", tuple(self.ankle))
         object.__setattr__(self, "contour", contour)

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import lru_cache
+from threading import Lock
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,6 +26,7 @@ MEASURED = (*FIVE, "joint_work", "torque", "survival", "maximum_sinkage", "peak_
 HIGH = 100.0  # m, above the sand, for a walk in the air
 SQUARE = 0.5  # cosine of how far the axes of a foot may be from forward and up at the start
 AXES = [0, 2]  # x and z of three
+_LOCK, _quieted = Lock(), list[Any]()  # an entry a walk under way, of which the first knows what was there
 RK4 = 1  # MuJoCo's number of its second explicit integrator; those after it are implicit
 
 
@@ -48,15 +50,22 @@ def quiet() -> Iterator[None]:
 
     Nor does it look at the clock in every part of a step, which takes a twentieth of a walk.
     """
-    mujoco = needed("mujoco", "fo.mujoco.Robot", "mujoco")
-    before, clock = mujoco.get_mju_user_warning(), ctypes.c_void_p.in_dll(library(), "mjcb_time")
-    timer, clock.value = clock.value, None
-    mujoco.set_mju_user_warning(lambda message: None)
+    mujoco, clock = (
+        needed("mujoco", "fo.mujoco.Robot", "mujoco"),
+        ctypes.c_void_p.in_dll(library(), "mjcb_time"),
+    )
+    with _LOCK:
+        _quieted.append((mujoco.get_mju_user_warning(), clock.value))
+        mujoco.set_mju_user_warning(lambda message: None)
+        clock.value = None
     try:
         yield
     finally:
-        mujoco.set_mju_user_warning(before)
-        clock.value = timer
+        with _LOCK:
+            if len(_quieted) == 1:
+                mujoco.set_mju_user_warning(_quieted[0][0])
+                clock.value = _quieted[0][1]
+            del _quieted[-1]
 
 
 def walk(robot: Any, foot: Foot | None, accuracy: Accuracy, end: float, traced: bool = False) -> Found:

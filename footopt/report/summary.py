@@ -52,6 +52,11 @@ class Row:
         return {name: math.nan if value is None else float(value) for name, value in found.items()}
 
     @property
+    def flat(self) -> float:
+        """J_W of the flat foot in its place, NaN where it is not known."""
+        return (self.result.get("flat") or {}).get("efficiency") or math.nan
+
+    @property
     def gains(self) -> list[float]:
         """Relative changes of J_W from the flat foot's under each law of sand, the scene's own first."""
         found = [law["change"].get("efficiency") for law in self.result.get("laws", [])]
@@ -92,6 +97,7 @@ def as_frame(runs: Sequence[Row]) -> pandas.DataFrame:
         result, design = run.result, run.result.get("design", {})
         row: dict[str, Any] = {"folder": str(run.folder), "overrides": " ".join(run.overrides)}
         row |= {**run.settings, **run.objectives}
+        row["efficiency_over_flat"] = run.objectives.get("efficiency", math.nan) / run.flat
         row["hollow_mm"] = design.get("hollow_mm", math.nan)
         row["k"] = heights_text(design["k"]) if design.get("k") else ""
         row |= {name: result.get(name, math.nan) for name in NUMBERS}
@@ -104,8 +110,8 @@ def load_all(pattern: str | Path) -> pandas.DataFrame:
     """All runs below folders, a row for each.
 
     Columns are `folder`, `overrides`, each setting by its full name in which several runs differ, each
-    objective, `hollow_mm`, `k`, the other numbers of result.json, `warnings` (how many), and `note`: why
-    there is no better result. A column that would be empty is left out.
+    objective, `efficiency_over_flat`, `hollow_mm`, `k`, the other numbers of result.json, `warnings` (how
+    many), and `note`: why there is no better result. A column that would be empty is left out.
 
     Parameters
     ----------
@@ -171,7 +177,7 @@ def compared(runs: Sequence[Row]) -> tuple[list[dict[str, Any]], Array]:
     names = [n for n in first if all(n in r["objectives"] and n in r.get("units", {}) for r in results)]
     columns = [column(name, results[0]["units"][name], results[0]["maximise"][name]) for name in names]
     values = np.array([[run.objectives[name] for name in names] for run in runs], float)
-    flat = [(r.get("flat") or {}).get("efficiency") or math.nan for r in results]
+    flat = [run.flat for run in runs]
     if "efficiency" in names and np.isfinite(flat).all():
         values[:, names.index("efficiency")] /= flat
         columns[names.index("efficiency")] |= {"unit": "x of flat", "maximise": True}

@@ -20,8 +20,7 @@ from footopt.studies.effects import own_time
 from footopt.studies.runs import Study
 from footopt.walk import FIVE, Accuracy, Scene, evaluate
 from footopt.walk.accuracy import PRESETS, TOLERANCES, work
-from footopt.walk.ladder import ladder, numbers_at, numerics
-from footopt.walk.objectives import relative_change
+from footopt.walk.ladder import changes_of, ladder, numbers_at, numerics
 from footopt.walk.steppers import STEPPERS
 
 QUANTILE = 95.0  # of the feet: the error that this share of them does not exceed, %
@@ -101,7 +100,7 @@ def measure(
         started = own_time()
         found = evaluate(feet, scene, accuracy, MEASURED, space, threads=1)
         taken.append(own_time() - started)
-    worst = relative_error(found.values, truth)[:, : len(FIVE)].max(axis=1)
+    worst = changes_of(found.values[:, : len(FIVE)], truth[:, : len(FIVE)], scene).max(axis=1)
     j = MEASURED.index("efficiency")
     return Measurement(
         method,
@@ -111,13 +110,6 @@ def measure(
         1e3 * min(taken) / len(feet),
         wrong_pairs(found.values[:, j], truth[:, j]),
     )
-
-
-def relative_error(values: Array, truth: Array) -> Array:
-    """Relative error (feet, objectives); infinite where only one of the two walks failed."""
-    same = np.isnan(values) & np.isnan(truth)
-    change = np.abs(relative_change(values, truth))
-    return np.where(same, 0.0, np.nan_to_num(change, nan=np.inf, posinf=np.inf))
 
 
 def wrong_pairs(values: Array, truth: Array) -> float:

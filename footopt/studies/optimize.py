@@ -205,6 +205,7 @@ def _warnings(problem: FootProblem, values: dict[str, float], base: dict[str, fl
     if by in MEASURES and MEASURES[by].sign * (values[by] - base[by]) >= 0.0:
         compared = f"{number(values[by])} against {number(base[by])}"
         said.append(f"The flat sole is as good or better in {title(by)}: {compared}. Search longer.")
+    said += [f"{title(n)} has no number for the best foot." for n in problem.names if math.isnan(values[n])]
     for name, limit in problem.limits.items():
         if excess(name, limit, np.array([values[name]]))[0] > 0.0:
             value = quantity(values[name], MEASURES[name].unit)

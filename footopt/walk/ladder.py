@@ -307,13 +307,13 @@ def _changed(values: Array, ups: Sequence[tuple[Array, float]]) -> Array:
     return changes
 
 
-def changes_of(values: Array, others: Array) -> Array:
-    """Relative changes of the probes' objectives (probes, objectives).
+def changes_of(values: Array, others: Array, simulator: Simulator | None = None) -> Array:
+    """Relative changes of the probes' objectives (probes, objectives), by `sizes`.
 
     Infinite where a walk ends otherwise, and 0 where it fails on both rungs.
     """
     same = (values == others) | (np.isnan(values) & np.isnan(others))
-    change = np.where(same, 0.0, np.abs(others - values) / sizes(others))
+    change = np.where(same, 0.0, np.abs(others - values) / sizes(others, simulator))
     return np.where(np.isnan(change), math.inf, change)
 
 

@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from footopt.arrays import Array
-from footopt.errors import check, is_number
+from footopt.errors import check, check_free, is_number
 from footopt.walk.metrics import RAW
 from footopt.walk.simulator import Simulator
 
@@ -101,6 +101,7 @@ def measure(
     where = OBJECTIVES if of == "raw" else SLOW
 
     def register(value: Function) -> Function:
+        check_free(value.__name__, (taken := MEASURES.get(value.__name__)) and taken.value, value)
         where[value.__name__] = Objective(value.__name__, symbol, unit, maximise, worst, value, of, least)
         return value
 
@@ -232,17 +233,17 @@ def gain_shares(values: dict[str, float], base: dict[str, float]) -> dict[str, f
 
 def offered(simulator: Simulator) -> tuple[str, ...]:
     """Names of the measures that a simulator's walks have: those whose quantities it gives."""
-    ones, found = {name: np.ones(1) for name in simulator.quantities}, []
-    for name, o in MEASURES.items():
-        try:
-            if o.of == "raw":
-                o.value(ones, simulator)
-            elif o.of == "walk" and not simulator.traces:
-                continue
-        except (KeyError, AttributeError):  # of a scene's own, such as its walker
-            continue
-        found.append(name)
-    return tuple(found)
+    return tuple(name for name, o in MEASURES.items() if not lacking(o, simulator))
+
+
+def lacking(o: Objective, simulator: Simulator) -> str:
+    """What a simulator does not give that an objective takes: a quantity, or a part such as its walker."""
+    try:
+        if o.of == "raw":
+            o.value({name: np.ones(1) for name in simulator.quantities}, simulator)
+    except (KeyError, AttributeError) as why:
+        return f"{type(why).__name__}: {why}"
+    return "a trace" if o.of == "walk" and not simulator.traces else ""
 
 
 def lookup(names: Sequence[str], simulator: Simulator | None = None) -> list[Objective]:
@@ -250,6 +251,7 @@ def lookup(names: Sequence[str], simulator: Simulator | None = None) -> list[Obj
     known = tuple(MEASURES) if simulator is None else offered(simulator)
     check(names, "objective.names", list(names), f"one or more of {', '.join(known)}")
     for name in names:
-        check(name in known, "objective.names", name, f"made of {', '.join(known)}")
+        lack = f"{name} lacks {lacking(MEASURES[name], simulator)}" if simulator and name in MEASURES else ""
+        check(name in known, "objective.names", name, f"made of {', '.join(known)}", lack)
     check(len(set(names)) == len(names), "objective.names", list(names), "free of repetitions")
     return [MEASURES[name] for name in names]

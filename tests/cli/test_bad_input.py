@@ -11,9 +11,11 @@ from running import footopt, program
 
 import footopt as fo
 from footopt.design import Choice, Solver, make_executor
+from footopt.design.solvers import register
+from footopt.effects import Effect
 from footopt.errors import SettingError
 from footopt.files.feet import body_outline
-from footopt.walk.objectives import lookup
+from footopt.walk.objectives import lookup, objective
 
 #: Words of a command, and what the message names.
 COMMANDS = {
@@ -75,11 +77,8 @@ LIKEWISE = {
     "study.confirm=fien": "study.confirm = 'fien'",
     "report=some": "report = 'some'",
     "constraint.colour=9": "constraint.colour",
-    "study.finalists=1000000000": "study.finalists",
     "solver.pop_size=1000000000": "solver.pop_size",
     "study=simulate accuracy.dt=1e-8": "accuracy.dt",
-    "study=simulate foot.n=1000000": "foot.n",
-    "engine.threads=1000000000": "engine.threads",
     "simulator=biped robot.feet=[left_hoof,right_hoof]": "robot.feet = 'left_hoof'",
     "simulator=biped robot.controller=steps.csv": "robot.controller = 'steps.csv'",
     "study=simulate foot.length=.18": "foot.length = 0.18",
@@ -93,19 +92,12 @@ LIKEWISE = {
     "study=robust study.reuse=maybe": "study.reuse = 'maybe'",
     "plugins=mine.py": "plugins = 'mine.py'",
     "simulator=biped robot.controller=broken.csv:f": "robot.controller = 'broken.csv:f'",
-    "study=simulate foot.block=[1,0.02]": "foot.block = [1.0, 0.02]",
-    "sand.zeta=0": "sand.zeta = 0",
     "study.laws=-1": "study.laws = -1",
     "study=paper study.cases=[foot.colour]": "study.cases",
     "study=stability study.cases=[flying]": "study.cases",
     "study=robust study.measure=median": "study.measure = 'median'",
     "study=transfer study.sands=[mud]": "study.sands",
     "gait=file": "gait.path = None",
-    "study=robust study.scenarios=drawn study.draws=1000000000": "study.draws",
-    "solver.n_gen=1000000000": "solver.n_gen",
-    "study=simulate accuracy.plates=1000000000": "accuracy.plates",
-    "study=simulate gait.period=1e6": "gait.period",
-    "foot.K=1000000000000": "foot.K",
     "study=paper foot.length=1e9": "foot.length",
     "study=robust study.scenarios=drawn study.spread.zeta=1e9": "study.spread.zeta",
     "study=simulate sand.spread=2": "sand.spread",
@@ -174,6 +166,12 @@ def chosen(limit):
     return fo.FootProblem(objective=["distance", "hollow"], choose=Choice("limits", limits={"hollow": limit}))
 
 
+def own(name):
+    """A function of a plugin, with a name that it may share with one of footopt's."""
+    exec(f"def {name}(*given): pass", namespace := {"__name__": "plugin"})
+    return namespace[name]
+
+
 FLAT, CIRCLE = fo.Foot.flat(), fo.Foot.shape("circle", closed=True)
 NOT_ABOVE_ZERO = (0.0, -1.0, math.nan, math.inf)
 SHORT = fo.Scene(t_f=0.5)
@@ -194,6 +192,10 @@ LIBRARY = [
     *several("effects.patches.factors", lambda f: fo.Patches((0.1,), (0.2,), f), (), (-1.0,)),
     *each("effects.patches", fo.Patches, blur=[0.0, math.nan]),
     *several("effects", lambda two: fo.Scene(effects=two), (fo.Slope(1.0), fo.Slope(2.0))),
+    *several("effects", lambda kind: fo.Scene(effects=(kind(),)), type("A", (Effect,), {"__hash__": None})),
+    *several("plugins", lambda name: objective("", "", False, 1.0)(own(name)), "work", "hollow"),
+    *several("plugins", lambda name: register(own(name)), "ga"),
+    *several("plugins", lambda name: type("Own", (Effect,), {}, name=name), "rest"),
     *several("sand", fo.Sand.named, "concrete"),
     *each("sand", fo.Sand, zeta=[0, *NOT_ABOVE_ZERO, "5", None, True]),
     *each("sand.coefficients", fo.StressMap, B01=[math.nan, math.inf, 1.1e4]),
@@ -210,6 +212,7 @@ LIBRARY = [
     *several("foot.n", fo.Foot.from_waypoints, [1, 2, 3], []),
     *several("foot.n", lambda n: fo.search(fo.FootProblem(space=fo.Waypoints(n)), "exhaustive"), 11, 200),
     *several("foot.contour", fo.Foot, np.zeros((1, 2)), np.zeros(4), [[0.0, 0.0], [math.nan, 1.0]]),
+    *several("foot.contour", fo.Foot, 1e3 * FLAT.contour),  # in mm
     *several("foot.closed", fo.evaluate, [FLAT, CIRCLE]),
     *several("feet", partial(fo.evaluate, accuracy=fo.Accuracy()), []),
     *each("foot", partial(fo.Foot, FLAT.contour), top=[math.nan]),

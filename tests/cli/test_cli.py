@@ -114,7 +114,9 @@ def test_the_foot_of_a_run_walks_in_its_world_but_for_what_is_given(tmp_path):
 
 @pytest.mark.slow
 def test_errors_of_every_stepper_and_preset_are_measured(tmp_path):
-    done = footopt("study=accuracy", "study.feet=3", "sand=soft", "hydra.run.dir=run", cwd=tmp_path)
+    done = footopt(
+        "study=accuracy", "study.feet=3", "sand=soft", "scene.t_f=2", "hydra.run.dir=run", cwd=tmp_path
+    )
     assert done.returncode == 0, done.stderr
     with open(tmp_path / "run" / "accuracy.csv", newline="") as file:
         assert {row["stepper"] for row in csv.DictReader(file)} == set(STEPPERS)

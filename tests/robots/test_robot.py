@@ -1,5 +1,6 @@
 """A robot in MuJoCo as a simulator: where it starts, what it measures, how it fails, what it refuses."""
 
+from contextlib import ExitStack
 from dataclasses import replace
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 import footopt as fo
 from footopt.errors import SettingError
 from footopt.mujoco.model import BIPED
+from footopt.mujoco.walking import quiet
 from footopt.walk import FIVE
 
 mujoco = pytest.importorskip("mujoco")
@@ -135,6 +137,13 @@ class TestTheRobot:
             fo.FootProblem(fo.mujoco.Robot(explicit))
         assert not [*tmp_path.iterdir()]
         assert capfd.readouterr() == ("", "")
+
+    def test_walks_at_one_time_leave_mujocos_warnings_as_they_were(self):
+        before, first = mujoco.get_mju_user_warning(), ExitStack()
+        first.enter_context(quiet())
+        with quiet():
+            first.close()
+        assert mujoco.get_mju_user_warning() is before
 
     def test_a_controller_that_fails_is_named_before_a_search(self, biped):
         with pytest.raises(SettingError, match=r"robot.controller = 'no_such_motor'.*KeyError"):

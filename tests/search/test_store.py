@@ -173,9 +173,9 @@ class TestStore:
 
     def test_an_error_is_replaced_by_a_walk_and_replaces_none(self, path):
         with Store(path, problem()) as store:
-            for reason in ("error: died", "", "error: died"):
+            for reason in ("error: died", "errors of its own simulator", "error: died"):
                 keep(store, {(1,) * 5: 1.0}, reason)
-            assert store.get(ONE)[1].tolist() == [""]
+            assert store.get(ONE)[1].tolist() == ["errors of its own simulator"]
 
 
 class TestContext:

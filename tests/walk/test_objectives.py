@@ -9,9 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import footopt as fo
+from footopt.errors import SettingError
 from footopt.walk import FIVE, OBJECTIVES, gain_shares
 from footopt.walk.metrics import RAW, Four, peak
-from footopt.walk.objectives import FLOORS, by_name, offered
+from footopt.walk.objectives import FLOORS, by_name, lookup, objective, offered
 
 STRIKE = 1.1  # s, the first heel strike
 
@@ -110,6 +111,13 @@ class TestTrade:
         worse = {**base, "work": 12.0, "distance": 9.0, "peak_power": 9.9}
         for values in (base, worse):
             assert all(math.isnan(share) for share in gain_shares(values, base).values())
+
+
+@pytest.mark.usefixtures("clean")
+def test_one_of_a_quantity_that_no_walk_has_is_refused_by_that():
+    objective("d", "m", maximise=True, worst=0.0)(lambda raw, scene: raw["disance"])
+    with pytest.raises(SettingError, match="KeyError: 'disance'"):
+        lookup(["<lambda>"], fo.Scene())
 
 
 class TestTable:

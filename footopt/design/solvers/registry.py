@@ -10,7 +10,7 @@ from importlib import import_module
 from itertools import accumulate
 from typing import Any
 
-from footopt.errors import SettingError, check, is_number
+from footopt.errors import SettingError, check, check_free, is_number
 from footopt.foot import Waypoints
 
 #: Walks with every design of a small space, for one objective or several.
@@ -163,6 +163,7 @@ def register(build: Callable[[Solver, int], Any], single: bool = False) -> Calla
     single : bool
         Whether it is for one objective, or for several.
     """
+    check_free(build.__name__, SOLVERS.get(build.__name__), build)
     SOLVERS[build.__name__] = build
     if single and build.__name__ not in SINGLE:
         SINGLE.append(build.__name__)
