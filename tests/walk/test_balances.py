@@ -82,7 +82,7 @@ class TestRandomScenes:
         finite_or_infeasible_with_a_reason(*scene, fo.Accuracy(dt=dt, plates=plates, control=2e-3))
 
     @pytest.mark.slow
-    @settings(max_examples=100)
+    @settings(max_examples=50)
     @given(hard_scenes())
     def test_no_nan_where_the_numbers_are_found(self, scene):
         finite_or_infeasible_with_a_reason(*scene, "standard")

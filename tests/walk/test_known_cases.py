@@ -36,15 +36,11 @@ def waves(n=40):
 
 
 STEP = fo.Patches((0.5,), (9.0,), (10.0,), blur=1e-4)
-CLIFF = fo.Patches((0.5,), (9.0,), (1000.0,), blur=1e-4)
-SPIKES = [fo.Foot.from_waypoints([1, 10] * 100)]
 
 #: Feet and scene.
 CASES = {
     "a level slab on zeta 200": (soles(), walk_on(200.0)),
-    "a cliff from 1 to 1,000": (soles(), walk_on(1.0, CLIFF)),
     "20 us behind the heel strike": (soles(), walk_on(5.0, t_f=1.10002)),
-    "a comb of 200 waypoints": (SPIKES, walk_on(5.0)),
     "leading edge on hard sand": (soles(), walk_on(5.0, fo.LeadingEdge())),
     "smooth soles of 40 on the Moon": (
         waves(),
