@@ -88,11 +88,9 @@ def check_whole(value: Any, setting: str, least: int, most: int, hint: str = "")
 
 
 def check_free(name: str, taken: Any, new: Any) -> None:
-    """Raise `SettingError` if a plugin gives something the name of what is there, but of another module."""
-    good = taken is None or taken.__module__ == new.__module__
-    check(
-        good, "plugins", name, "of another name", f"{getattr(taken, '__module__', '')} has one of this name."
-    )
+    """Raise `SettingError` if a plugin gives something of its own the name of what footopt has."""
+    own = getattr(taken, "__module__", "").startswith("footopt.") and taken.__module__ != new.__module__
+    check(not own, "plugins", name, "of another name", "footopt has one of this name.")
 
 
 def check_kind(value: object, kind: type, setting: str, hint: str) -> None:

@@ -76,6 +76,10 @@ class TestFunctions:
         table = fo.evaluate([[4, 3, 2, 1, 1], SOLES[2]], fo.Simulator.from_function(ramp, FIVE), space=SPACE)
         assert table.reasons.tolist() == ["steep", ""]
 
+    def test_no_values_are_no_walk(self):
+        with pytest.raises(SettingError, match="function = None"):
+            fo.evaluate(SOLES, fo.Simulator.from_function(lambda foot: None, FIVE), space=SPACE)
+
     def test_walks_have_no_traces(self):
         with pytest.raises(SettingError, match="simulator"):
             fo.simulate(fo.Foot.flat(), fo.Simulator.from_function(ramp, FIVE))
