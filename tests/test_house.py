@@ -119,6 +119,7 @@ def test_simulating_needs_no_optimiser_no_hydra_and_no_figures():
     assert not loaded & {"pymoo", "hydra", "omegaconf", "matplotlib", "rich", "pandas", "xarray", "shapely"}
 
 
+@pytest.mark.slow
 def test_drawing_a_foot_needs_no_optimiser_and_no_pyplot():
     loaded = loaded_after("import footopt as fo; fo.plot(fo.Foot.flat())")
     assert "matplotlib" in loaded

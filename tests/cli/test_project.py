@@ -13,6 +13,7 @@ ROBOT = Path(__file__).parents[2] / "examples" / "moon_robot"
 
 
 @pytest.mark.usefixtures("clean")
+@pytest.mark.slow
 def test_the_example_finds_its_files_and_a_foot_that_shakes_little(tmp_path):
     """In a copy, which is not that of the checkout: footopt's settings are found as pkg://footopt.conf."""
     robot = shutil.copytree(ROBOT, tmp_path / "robot")

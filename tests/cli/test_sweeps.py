@@ -58,6 +58,7 @@ def failing(tmp_path_factory):
     return done, heard, cwd / "sweep"
 
 
+@pytest.mark.slow
 class TestJobs:
     def test_return_their_objectives_with_natural_signs(self, tmp_path):
         done, heard = listening(*WALK, "objective.names=[distance,work]", cwd=tmp_path)

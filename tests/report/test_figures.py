@@ -105,6 +105,7 @@ def figure(request, hard, soft, sunk, table):
     return FIGURES[request.param]({"hard": hard, "soft": soft, "failed": sunk}, table)
 
 
+@pytest.mark.slow
 def test_a_figure_is_saved_as_picture_and_as_the_same_bytes_again(foot, tmp_path):
     figure = figures.contour(foot)
     png, pdf = figures.save(figure, tmp_path / "new" / "folder", "one")

@@ -21,6 +21,7 @@ def walk():
     return fo.simulate(fo.Foot.flat(), fo.Scene(t_f=1.3), "draft")
 
 
+@pytest.mark.slow
 def test_a_gif_has_the_frames_and_the_pace_that_were_asked_for(walk, tmp_path):
     path = fo.animate(walk, tmp_path / "new" / "walk.gif", fps=4, speed=1.0, dpi=40)
     assert path == tmp_path / "new" / "walk.gif"

@@ -217,6 +217,7 @@ def test_where_a_front_stalls_another_population_begins_and_later_joins_the_firs
     assert best == {tuple(point) for point in algorithm.opt.get("F")}
 
 
+@pytest.mark.slow
 def test_no_front_that_is_remembered_grows_without_end(monkeypatch):
     """Neither a population's nor that of all of them, while there are two."""
     algorithm = Archive().setup(Sphere(n_obj=2), termination=("n_eval", 2000), seed=1)

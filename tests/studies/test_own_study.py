@@ -38,6 +38,7 @@ STUDIES["hollow"] = Settings, run
 MADE = ("versions", "machine", "wall_time_s", "wall_time_covers")  # how a result was
 
 
+@pytest.mark.slow
 def test_it_is_found_by_its_name(tmp_path, capsys, monkeypatch):
     unrender(monkeypatch)
     monkeypatch.setitem(studies.STUDIES, "hollow", None)  # what the plugin adds goes at the end

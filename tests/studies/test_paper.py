@@ -77,6 +77,7 @@ class TestJudgement:
             assert (again["verdict"], again["hangs_on"]) == (entry["verdict"], entry["hangs_on"])
 
 
+@pytest.mark.slow
 def test_the_study_leaves_figures_claims_and_a_page_and_searches_nothing_twice(tmp_path, capsys, monkeypatch):
     unrender(monkeypatch)
     searched = []

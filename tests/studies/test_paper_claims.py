@@ -108,6 +108,7 @@ class TestClaims:
         assert max(there, back) > 0.0, "neither a claim nor its opposite holds"
         assert same == 0.0, "a claim holds of walks that are the same"
 
+    @pytest.mark.slow
     def test_the_stored_margins_are_what_is_measured(self):
         margins = measure(walked(config(), {sand: STORED["walks"][sand]["k"] for sand in SANDS}), "walk")
         stored = {claim["id"]: claim["margin"] for claim in STORED["claims"]}
