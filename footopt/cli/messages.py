@@ -3,7 +3,6 @@
 import re
 from collections.abc import Sequence
 from difflib import get_close_matches
-from traceback import extract_tb
 
 from hydra.errors import HydraException
 from omegaconf.errors import ConfigAttributeError, ConfigKeyError, OmegaConfBaseException
@@ -37,10 +36,7 @@ def explain(error: BaseException, overrides: Sequence[str] = ()) -> str:
     if type(error).__module__.partition(".")[0] in ("submitit", "joblib"):
         hint = "footopt resume=FOLDER, with that of the multirun, finishes the jobs without a result."
         return f"a job was lost ({error}). Others may still run. {hint}"
-    places = extract_tb(error.__traceback__)[-1:]
-    where = "".join(f" in {place.filename}, line {place.lineno}" for place in places)
-    hint = "If that is no code of yours, a bug in footopt; HYDRA_FULL_ERROR=1 shows more."
-    return f"unexpected {type(error).__name__}: {error}{where}\n{hint}"
+    return f"unexpected {type(error).__name__}: {error}\nA bug of ours or yours; HYDRA_FULL_ERROR=1 shows it."
 
 
 def translate(error: BaseException, overrides: Sequence[str]) -> FootoptError | None:
