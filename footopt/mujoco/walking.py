@@ -50,10 +50,8 @@ def quiet() -> Iterator[None]:
 
     Nor does it look at the clock in every part of a step, which takes a twentieth of a walk.
     """
-    mujoco, clock = (
-        needed("mujoco", "fo.mujoco.Robot", "mujoco"),
-        ctypes.c_void_p.in_dll(library(), "mjcb_time"),
-    )
+    mujoco = needed("mujoco", "fo.mujoco.Robot", "mujoco")
+    clock = ctypes.c_void_p.in_dll(library(), "mjcb_time")
     with _LOCK:
         _quieted.append((mujoco.get_mju_user_warning(), clock.value))
         mujoco.set_mju_user_warning(lambda message: None)

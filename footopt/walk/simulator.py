@@ -12,7 +12,7 @@ import numpy as np
 
 from footopt.arrays import Array, Ints, Words
 from footopt.effects.base import Effect
-from footopt.errors import SettingError, check, check_kind
+from footopt.errors import SettingError, check
 from footopt.foot import Foot, Waypoints
 from footopt.sand import Sand
 from footopt.sand.law import EARTH
@@ -167,7 +167,8 @@ class FunctionSimulator(Simulator):
             if isinstance(found, str):
                 reasons.append(found or "failed")
                 continue
-            check_kind(found, Mapping, "function", "It is to return what it measures by name, or a reason.")
+            if not isinstance(found, Mapping):  # of one foot, perhaps: a search leaves it out
+                raise TypeError(f"{self.title} returned {found!r}, not values by name, or a reason")
             if lacking := [name for name in self.quantities if name not in found]:
                 raise SettingError("quantities", ", ".join(lacking), f"made of {', '.join(found)}")
             row[:] = [found[name] for name in self.quantities]

@@ -77,7 +77,7 @@ class TestFunctions:
         assert table.reasons.tolist() == ["steep", ""]
 
     def test_no_values_are_no_walk(self):
-        with pytest.raises(SettingError, match="function = None"):
+        with pytest.raises(TypeError, match="returned None"):
             fo.evaluate(SOLES, fo.Simulator.from_function(lambda foot: None, FIVE), space=SPACE)
 
     def test_walks_have_no_traces(self):
