@@ -22,7 +22,7 @@ import footopt as fo
 from footopt.design import confirm
 from footopt.report import page
 
-sys.path.append(str(Path(__file__).parents[1] / "tests"))
+sys.path.append(str(Path(__file__).parents[1] / "tests" / "report"))
 from browsers import CHROMIUM, DRIVER, start
 
 UPDATES = 5

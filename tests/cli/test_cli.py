@@ -1,18 +1,13 @@
 """The command line end to end, as a user runs it, in an empty folder."""
 
-import csv
 import json
 from importlib.util import find_spec
 
-import numpy as np
 import pytest
 from running import QUICK, footopt, only_folder
-from study_pages import check_page
 
 import footopt as fo
 from footopt.studies.runs import foot_of
-from footopt.walk import STEPPERS
-from footopt.walk.accuracy import TOLERANCES
 
 STEP = ["step"] if find_spec("OCP") else []  # needs footopt[cad]
 
@@ -63,36 +58,6 @@ class TestOptimize:
         assert 1 < len(j) <= 20
         assert 0 < confirmed["largest_change"] < 0.1
 
-    def test_the_foot_to_print_is_there_in_every_form_and_loses_no_more_than_the_best(self, run_ga):
-        _, folder = run_ga
-        found = json.loads((folder / "result.json").read_text())["to_print"]
-        assert found["worst_loss"] <= found["worst_loss_of_best"]
-        contour = np.loadtxt(folder / "to_print.csv", delimiter=",", skiprows=1)
-        np.testing.assert_allclose(contour, 1e3 * fo.Foot.from_waypoints(found["k"]).contour, atol=1e-6)
-        assert {path.suffix for path in folder.glob("to_print.*")} >= {".csv", ".dxf", ".svg", ".stl"}
-
-    def test_the_answer_has_14_lines_that_fit_a_terminal_with_its_range_and_what_to_open(self, run_ga):
-        said, entry = run_ga[0].stdout.splitlines(), json.loads((run_ga[1] / "result.json").read_text())
-        (first,) = (i for i, line in enumerate(said) if line.startswith("Best foot"))
-        caution = next(line for line in said if "Only" in line)  # a search of more designs has none
-        answer = [line.rstrip() for line in said[first:] if line != caution]
-        assert len(answer) <= 14
-        assert all(len(line) <= 80 for line in answer[2:-1])
-        gains = [1.0 + law["change"]["efficiency"] for law in entry["laws"]]
-        assert f"x {gains[0]:.2f} " in answer[1]
-        assert f"x {min(gains[1:]):.2f} to {max(gains[1:]):.2f} by 5 other" in answer[1]
-        for name in ("report.html", "to_print.stl"):
-            assert name in answer[-1]
-            assert (run_ga[1] / name).is_file()
-
-
-def test_any_measure_is_an_objective_and_is_told_once(tmp_path):
-    done = footopt(*QUICK, "objective=work", "report=none", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert [line.split()[-4:] for line in done.stdout.splitlines() if line.startswith("work ")] == [
-        ["against", "a", "flat", "foot."]
-    ]
-
 
 @pytest.mark.slow
 def test_the_foot_of_a_run_walks_in_its_world_but_for_what_is_given(tmp_path):
@@ -110,21 +75,6 @@ def test_the_foot_of_a_run_walks_in_its_world_but_for_what_is_given(tmp_path):
     walk = fo.simulate(foot_of(tmp_path / "run"), scene, "standard")
     assert result["objectives"]["work"] == walk.objectives["work"]
     assert result["design"]["width_m"] == 0.08
-
-
-@pytest.mark.slow
-def test_errors_of_every_stepper_and_preset_are_measured(tmp_path):
-    done = footopt(
-        "study=accuracy", "study.feet=3", "sand=soft", "scene.t_f=2", "hydra.run.dir=run", cwd=tmp_path
-    )
-    assert done.returncode == 0, done.stderr
-    with open(tmp_path / "run" / "accuracy.csv", newline="") as file:
-        assert {row["stepper"] for row in csv.DictReader(file)} == set(STEPPERS)
-    result = json.loads((tmp_path / "run" / "result.json").read_text())
-    errors = {row["method"]: row["error"] for row in result["presets"]}
-    assert all(errors[name] < tolerance for name, tolerance in TOLERANCES.items())
-    assert errors["standard"] > errors["fine"]
-    check_page(tmp_path / "run")
 
 
 def test_a_walk_that_sinks_is_a_result_with_a_reason(tmp_path):

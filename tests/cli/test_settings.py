@@ -1,9 +1,8 @@
-"""Settings: a default is written once, and any value of any setting is used, or refused by its name."""
+"""Settings: each choice is what the library calls so, and any value is used, or refused by its name."""
 
 import math
 import pickle
 from dataclasses import replace
-from functools import cache
 from itertools import zip_longest
 from pathlib import Path
 
@@ -12,7 +11,6 @@ import pytest
 from hydra import compose, initialize_config_dir
 from hydra.core.config_store import ConfigStore
 from hydra.errors import HydraException
-from omegaconf import OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 from running import composed, tries
 
@@ -26,7 +24,7 @@ from footopt.errors import FootoptError, SettingError
 from footopt.sand import MEDIA
 from footopt.studies import build
 from footopt.studies.robust import make_spread
-from footopt.studies.settings import AccuracyConfig, Config, SandConfig, known
+from footopt.studies.settings import AccuracyConfig, SandConfig, known
 from footopt.walk import PRESETS
 
 CHOICES = {group: [f"{group}={name}" for name in names] for group, names in groups().items()}
@@ -72,17 +70,6 @@ class TestDefaults:
         assert moon == fo.Scene(walker=fo.Walker(g=1.62))
         assert moon.zeta == pytest.approx(moon.sand.zeta * 1.62 / 9.81)
 
-    @pytest.mark.parametrize(
-        "path", sorted(CONF.glob("*/*.yaml")), ids=lambda path: f"{path.parent.name}={path.stem}"
-    )
-    def test_are_not_written_again_in_a_yaml_file(self, path):
-        """A file of conf/ sets what differs from the default, and the name of its choice."""
-        defaults = default_leaves()
-        place = "" if "@package _global_" in path.read_text() else f"{path.parent.name}."
-        for name, value in leaves(OmegaConf.to_container(OmegaConf.load(path)), place):
-            if name.partition(".")[2] not in ("name", "shape") and "defaults" not in name:
-                assert value != defaults[name], f"{name}: {value}"
-
     @pytest.mark.parametrize("row", ROWS, ids=" ".join)
     def test_every_choice_composes_and_is_what_the_library_calls_so(self, row):
         config = composed(*row)
@@ -110,22 +97,6 @@ class TestDefaults:
 
 #: Choices of groups that are not names of what they choose.
 UNNAMED = ("coarse",)
-
-
-@cache
-def default_leaves():
-    """All defaults by their full names."""
-    everything = OmegaConf.merge(Config, {"effects": {name: {} for name in EFFECTS}})
-    return dict(leaves(OmegaConf.to_container(everything)))
-
-
-def leaves(values, place=""):
-    """All values of nested settings by their full names."""
-    for name, value in values.items():
-        if isinstance(value, dict):
-            yield from leaves(value, f"{place}{name}.")
-        else:
-            yield place + name, value
 
 
 class TestBuild:

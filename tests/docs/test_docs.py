@@ -2,6 +2,7 @@
 
 import os
 import re
+import runpy
 import shlex
 from pathlib import Path
 
@@ -12,6 +13,8 @@ from running import composed, footopt
 
 import footopt as fo
 from footopt.cli.compose import CONF, hydra_overrides
+from footopt.effects import EFFECTS
+from footopt.studies.settings import known
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted(
@@ -146,3 +149,11 @@ def test_python_is_python_and_its_public_names_exist(page):
         compile(text, page, "exec")
     for name in re.findall(r"\bfo\.([a-zA-Z_]+)", "\n".join([*code, *spans(TEXTS[page])])):
         assert hasattr(fo, name), f"{page}: fo.{name}"
+
+
+def test_the_reference_is_that_of_the_program_and_every_setting_has_a_meaning():
+    """But effects without parameters."""
+    page, bare = runpy.run_path(str(ROOT / "docs/reference.py"))["page"](), {f"effects.{n}" for n in EFFECTS}
+    assert TEXTS["docs/reference.md"] == page, "write it again: python docs/reference.py > docs/reference.md"
+    assert [s.name for s in known().values() if not s.described[1] and s.name not in bare] == []
+    assert all(f"`{name}`" in page for name in {*known()} - bare)

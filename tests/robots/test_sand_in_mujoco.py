@@ -142,20 +142,6 @@ def test_stiffness_is_the_derivative_of_the_wrench(block):
         assert stiffness == pytest.approx(np.stack(slopes, axis=1), abs=2e-4 * abs(stiffness).max())
 
 
-def test_a_plate_dragged_fast_feels_the_inertia_of_the_grains(block):
-    # F = K |z| + lambda rho A v^2, Agarwal et al., Science Advances 7 (2021), with their lambda and rho
-    rho, area, depth = Inertia().rho, 0.016 * 0.03, 0.03
-    wall = fo.Foot(np.array([[0.0, -0.016], [0.0, 0.016]]), width=0.03)
-    _, _, contact = block(effects=SOME, foot=wall, plates=32)
-    drags = []
-    for speed in (0.04, 0.16, 0.32, 0.64):
-        wrench, _ = feel(contact, np.array([0.0, 0.0, 1.0]), (speed, 0, 0, 0, 0, 0), -depth)
-        drags.append(abs(wrench[0]))
-    speeds = np.array([0.04, 0.16, 0.32, 0.64])
-    extra = np.polyfit(speeds**2, drags, 1)[0]
-    assert extra == pytest.approx(1.1 * rho * 2 * area, rel=1e-6)
-
-
 @pytest.mark.slow
 def test_stiff_robots_drawn_at_random_stay_stable_and_stand_still(request):
     rng, stood = np.random.default_rng(3), 0

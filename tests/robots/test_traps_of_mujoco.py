@@ -216,13 +216,3 @@ def test_sand_holds_an_ankle_whose_servo_is_explicit_as_long_as_it_is_stable_in_
     mujoco.mj_step(model, data, nstep=2000)
     assert model.opt.timestep * kv / model.dof_M0[-1] > 0.35  # of 2
     assert abs(data.qvel).max() < 1e-9
-
-
-def test_nothing_is_called_once_all_is_detached(block):
-    _, _, one = block()
-    _, _, two = block()
-    one.detach()
-    assert mujoco.get_mjcb_passive() is not None
-    two.detach()
-    two.detach()
-    assert mujoco.get_mjcb_passive() is None

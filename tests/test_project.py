@@ -9,7 +9,7 @@ from running import footopt
 
 import footopt as fo
 
-ROBOT = Path(__file__).parents[2] / "examples" / "moon_robot"
+ROBOT = Path(__file__).parents[1] / "examples" / "moon_robot"
 
 
 @pytest.mark.usefixtures("clean")

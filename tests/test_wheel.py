@@ -11,7 +11,7 @@ import pytest
 from packaging.requirements import Requirement
 from running import LIMIT
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[1]
 
 
 def needed(requirements, found):
