@@ -91,7 +91,7 @@ def translate(error: BaseException, overrides: Sequence[str]) -> FootoptError | 
 def _syntax(name: str, equals: str, value: str) -> str:
     """Why an override is no setting, and what to try."""
     if name and equals:
-        return f"the value cannot be read. Lists have no spaces; others need quotes: {name}=\"'{value}'\""
+        return f"the value cannot be read. Try '{name}=[a, b]' for a list, {name}=\"'{value}'\" for a text"
     owners = {choice: group for group, choices in groups().items() for choice in choices}
     close = get_close_matches(name, owners, n=1)
     hint = f"Try {owners[close[0]]}={close[0]}" if close else f"Such as sand=soft; {MORE}"

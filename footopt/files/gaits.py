@@ -96,9 +96,13 @@ def fit_gait(
     """
     rows = [np.asarray(row, float) for row in (times, thigh, knee, foot) if row is not None]
     shapes = [row.shape for row in rows]
-    check(len(set(shapes)) == 1 and len(shapes[0]) == 1, "angles", shapes, "as many angles as times")
+    one = len(set(shapes)) == 1 and len(shapes[0]) == 1 and shapes[0] > (0,)
+    check(one, "angles", shapes, "as many angles as times")
     with naming("angles", "gait"):
-        return _fit(cut(rows[0], dict(zip(JOINTS, rows[1:], strict=False))), harmonics)
+        strides = cut(rows[0], dict(zip(JOINTS, rows[1:], strict=False)))
+        if _unit(*rows[1:3]) == "rad":
+            raise Unusable("the leg hardly moves: angles are in degrees. Try np.degrees.")
+        return _fit(strides, harmonics)
 
 
 def read_strides(
@@ -169,7 +173,7 @@ def _leg(
     knee = read["knee"]
     if len(knee) < 4:
         raise Unusable(f"has {len(knee)} rows, and a stride needs more.")
-    unit = "rad" if np.ptp(knee) < np.pi else "deg"  # no knee moves by less in a walk
+    unit = _unit(read.get("thigh", read.get("hip", knee)), knee)
     notes: tuple[str, ...] = (f"the {leg} leg; angles in {unit}",)
     if abs(np.max(knee)) < abs(np.min(knee)):
         knee, notes = -knee, (*notes, f"{found['knee']} is below 0 where the knee bends, and is turned round")
@@ -193,6 +197,11 @@ def _leg(
         f"{found['percent']} is the phase of one stride, of {PHASE_PERIOD:g} s where gait.period is not given"
     )
     return t, angles, (0.0, PHASE_PERIOD), (*notes, note)
+
+
+def _unit(*angles: Array) -> str:
+    """Whether a leg's angles are in "rad" or "deg": in a walk some part turns by more than 3.1 degrees."""
+    return "rad" if max(map(np.ptp, angles)) < np.pi else "deg"
 
 
 def _plain(name: str) -> str:

@@ -90,13 +90,13 @@ def read_columns(
     units: Mapping[str, str],
     optional: Mapping[str, float] | None = None,
     label: str = "",
-) -> tuple[dict[str, Array], list[str]]:
-    """Read columns of numbers from a CSV file (see `parse_table`), each (rows,), by name; and one of words.
+) -> tuple[dict[str, Array], list[str], list[str]]:
+    """Columns of numbers in a CSV file (see `parse_table`), each (rows,), by name; one of words; other names.
 
     `units` says in which unit each column is that there must be, `optional` the value of any other one where
     it is missing; words are empty where the column `label` is missing. A name may be written as in
-    "Depth [mm]" or "Force (N)". Raises `FileError` if the file cannot
-    be read, lacks a column, or holds something that is no number.
+    "Depth [mm]" or "Force (N)". Raises `FileError` if the file cannot be read, lacks a column, or holds
+    something that is no number.
     """
     text = read_text(path, setting)
     with naming(path, setting):
@@ -106,12 +106,12 @@ def read_columns(
             wanted = ", ".join(f"{name} ({unit})" if unit else name for name, unit in units.items())
             raise Unusable(
                 f"the header lacks {', '.join(missing)}; the columns must be {wanted}, with commas, "
-                "semicolons or tabs between them."
+                f"semicolons or tabs between them, and are {', '.join(table)[:200]}."
             )
         rows = len(next(iter(table.values())))
         found = {name: np.full(rows, value) for name, value in (optional or {}).items()}
         found |= {name: numbers(table, name) for name in (*units, *found) if name in table}
-        return found, table.get(label, [""] * rows)
+        return found, table.get(label, [""] * rows), [name for name in table if name not in (*found, label)]
 
 
 def _plain(name: str) -> str:

@@ -24,7 +24,7 @@ def read_sand(path: str | Path, zeta: float = 1.0) -> Sand:
         The file cannot be read, lacks a column, holds something that is not a number, has too few
         different angles to determine nine coefficients, or no sand can have such stresses.
     """
-    columns, _ = read_columns(path, "sand.table", STRESSES)
+    columns, *_ = read_columns(path, "sand.table", STRESSES)
     with naming(path, "sand.table"):
         stress_map, error = fit_stress_map(*(columns[name] for name in STRESSES))
     return Sand(zeta=zeta, stress_map=stress_map, name=Path(path).stem, fit_error=error)

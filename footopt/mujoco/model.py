@@ -56,8 +56,11 @@ class Model:
                     geom.contype = geom.conaffinity = 0
             _measure(mujoco, spec, bodies[feet[0]])
             model = spec.compile()
+        except SettingError:
+            raise
         except (ValueError, OSError) as error:  # what MuJoCo says of a model that it cannot read
-            raise SettingError("robot.model", what, "a model that MuJoCo compiles", str(error)) from None
+            said = " ".join(str(error).split())
+            raise SettingError("robot.model", what, "a model that MuJoCo compiles", said) from None
         content = np.empty(mujoco.mj_sizeModel(model), np.uint8)
         mujoco.mj_saveModel(model, None, content)
         made = cls(hashlib.sha256(content.tobytes()).hexdigest(), model, tuple(feet), mujoco.__version__)

@@ -103,7 +103,7 @@ def as_frame(runs: Sequence[Row]) -> pandas.DataFrame:
         row |= {name: result.get(name, math.nan) for name in NUMBERS}
         row |= {f"validity.{name}": value for name, value in (result.get("validity") or {}).items()}
         rows.append(row | {"warnings": len(result.get("warnings", [])), "note": run.note})
-    return pandas.DataFrame(rows)
+    return pandas.DataFrame(rows).dropna(axis="columns", how="all")
 
 
 def load_all(pattern: str | Path) -> pandas.DataFrame:
@@ -126,7 +126,7 @@ def load_all(pattern: str | Path) -> pandas.DataFrame:
     if not (found := [read(folder) for folder in identity.runs(pattern)]):
         raise FileError(f"pattern = {str(pattern)!r}: no run is there. Try 'outputs/**'.")
     alike = {name for run in found for name in run.settings} - {*varied(found)} if len(found) > 1 else ()
-    return as_frame(found).drop(columns=[*alike]).dropna(axis="columns", how="all")
+    return as_frame(found).drop(columns=[*alike], errors="ignore")
 
 
 def varied(runs: Sequence[Row]) -> pandas.DataFrame:
@@ -158,7 +158,7 @@ def compare(folder: Path, folders: Sequence[Path]) -> int:
         if len(rows) > 1:
             (picture,) = save(figure, folder / "figures", f"fronts_{i + 1}" if i else "fronts", ["png"])
             out.print(f"Fronts side by side: {picture}", soft_wrap=True)
-    values = whole.drop(columns=["folder", *{name for run in runs for name in run.settings}])
+    values = whole.drop(columns=["folder", *{n for run in runs for n in run.settings}], errors="ignore")
     labels = pandas.Series(names, name="run")
     write_csv(folder / "summary.csv", pandas.concat([labels, varied(runs), values], axis=1))
     page.write(folder / "report.html", runs_content(folder, runs, names, list(map(" ".join, own)), about))

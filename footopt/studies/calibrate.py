@@ -18,7 +18,7 @@ from rich.table import Table
 from rich.text import Text
 
 from footopt.arrays import Array, Words
-from footopt.errors import SettingError, Unusable, naming
+from footopt.errors import Unusable, check, naming
 from footopt.files.io import read_columns, write_text
 from footopt.report import terminal
 from footopt.report.figures.studies import calibration as draw
@@ -35,6 +35,7 @@ LABEL = "repeat"
 COVERAGE = 0.95  # of the intervals
 DEPTHS = 3  # different ones that each repeat must have at least
 ZETAS = (0.005, 200.0)  # of any sand; the softest and hardest of the literature are .2 and 3
+SHALLOWEST = 1.0  # mm, of the deepest row: less is a file in metres
 SHALLOW = 1 / 3  # of the largest depth
 CHANGE = 0.1  # of zeta in a part of the tests: less does not matter
 
@@ -61,6 +62,7 @@ class Calibration(NamedTuple):
     depth: Array  # (rows,), m
     local: Array  # (rows,), force over P z
     set_up: Words  # (rows,), the plate and its direction
+    unread: list[str]  # other columns of the file
 
     @property
     def warnings(self) -> list[str]:
@@ -77,14 +79,15 @@ class Calibration(NamedTuple):
                 "There is one repeat: its interval says nothing of how the sand differs from place to place. "
                 "Prepare the sand anew, test again, and number the tests in a column repeat."
             )
+        if self.unread:
+            reasons.append(f"Columns that are not read: {', '.join(self.unread)}.")
         return reasons
 
 
 def run(study: Study) -> None:
     """Fit the tests, and leave a sand."""
     path = study.options.tests
-    if path is None:
-        raise SettingError(SETTING, None, "a file of tests", "Try study.tests=examples/sand/plates.csv.")
+    check(path is not None, SETTING, None, "a file of tests", "Try study.tests=examples/sand/plates.csv.")
     sand = make_sand(study.config.sand)
     found = calibrate(path, sand.stress_map)
     name = sand.name if sand.name not in (*MEDIA, Sand.name) else Path(path).stem
@@ -97,17 +100,12 @@ def run(study: Study) -> None:
     use = f"footopt --config-dir {study.folder} sand={name}"
     drawn = f"; or for how it differs from place to place: {use} study=robust study.scenarios=drawn"
     depths = f"{1e3 * found.depth.min():.3g} to {1e3 * found.depth.max():.3g}"
+    entry = {"sand": name, "zeta": found.zeta._asdict(), "spread": found.spread, "repeats": found.repeats}
+    entry |= {"parts": {part: ratio._asdict() for part, ratio in found.parts.items()}}
     study.conclude(
         f"The sand of {Path(path).name}",
         [table(found)],
-        {
-            "sand": name,
-            "zeta": found.zeta._asdict(),
-            "spread": found.spread,
-            "repeats": found.repeats,
-            "parts": {part: ratio._asdict() for part, ratio in found.parts.items()},
-            "warnings": found.warnings,
-        },
+        entry | {"warnings": found.warnings},
         summary=[
             f"{len(found.depth)} measurements {depths} mm deep, in {len(found.repeats)} "
             f"repeat{'s' if len(found.repeats) > 1 else ''}.",
@@ -145,14 +143,16 @@ def calibrate(path: str | Path, stress_map: StressMap = GENERIC) -> Calibration:
     They are in a CSV file with the columns ``depth_mm`` (of the plate's middle below the surface; rows above
     it are left out), ``force_N`` (against the motion), ``area_cm2`` and, optionally, ``angle_deg`` (of the
     plate, 0 is level), ``direction_deg`` (of the motion, 90 is down) and ``repeat`` (the preparation of the
-    sand, any word); others are ignored. Raises `FileError` if the file cannot be read, lacks a column, holds
+    sand, any word). Raises `FileError` if the file cannot be read, lacks a column, holds
     something that is not a number, has too few depths, or no sand can have such forces.
     """
-    table, words = read_columns(path, SETTING, COLUMNS, OPTIONAL, LABEL)
+    table, words, unread = read_columns(path, SETTING, COLUMNS, OPTIONAL, LABEL)
     with naming(path, SETTING):
         inside = table["depth_mm"] > 0
         if not inside.any():
             raise Unusable("has no row with depth_mm > 0: depth is below the surface, in mm.")
+        if (deepest := table["depth_mm"].max()) < SHALLOWEST:
+            raise Unusable(f"is at most {deepest:g} mm deep: depth_mm is in mm, and no foot sinks so little.")
         labels = np.array(words)[inside]
         depth, force, area, angle, direction = (
             table[name][inside] for name in ("depth_mm", "force_N", "area_cm2", "angle_deg", "direction_deg")
@@ -205,6 +205,7 @@ def calibrate(path: str | Path, stress_map: StressMap = GENERIC) -> Calibration:
         depth=depth,
         local=force / unit,
         set_up=set_up,
+        unread=unread,
     )
 
 

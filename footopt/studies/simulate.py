@@ -43,16 +43,8 @@ def run(study: Study) -> Any:
 
         study.save("gait", gait_fit(strides, walk.world.gait))
     notes = [*foot.notes, *write_walk(study, walk, {title(foot.name): walk}), *_undefined(walk, values)]
-    record = study.write_result(
-        {
-            "design": foot_entry(foot),
-            "feasible": walk.feasible,
-            "reason": walk.reason,
-            **entry,
-            "notes": notes,
-            "gait_file": read,
-        }
-    )
+    about = {"design": foot_entry(foot), "feasible": walk.feasible, "reason": walk.reason}
+    record = study.write_result({**about, **entry, "notes": notes, "gait_file": read})
     if study.wants_report:
         from footopt.report import page
 
