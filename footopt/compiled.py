@@ -15,6 +15,7 @@ from filelock import FileLock
 from numba import config, njit, types
 from numba.core.caching import FunctionCache
 from numba.core.registry import cpu_target
+from numba.core.runtime import rtsys
 from numba.extending import overload, register_jitable
 
 log = logging.getLogger("footopt")
@@ -95,6 +96,12 @@ class _Cache(FunctionCache):
                 super().__init__(function)
             finally:
                 config.CACHE_DIR = before
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Load what is there, without numba's registries: only compiling needs them, which loads them."""
+        rtsys.initialize(target_context)
+        with self._guard_against_spurious_io_errors():
+            return self._load_overload(sig, target_context)
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Save what is compiled for a signature."""

@@ -96,8 +96,7 @@ def fit_gait(
     """
     rows = [np.asarray(row, float) for row in (times, thigh, knee, foot) if row is not None]
     shapes = [row.shape for row in rows]
-    one = len(set(shapes)) == 1 and len(shapes[0]) == 1 and shapes[0] > (0,)
-    check(one, "angles", shapes, "as many angles as times")
+    check(shapes == [(rows[0].size or 1,)] * len(rows), "angles", shapes, "as many angles as times")
     with naming("angles", "gait"):
         strides = cut(rows[0], dict(zip(JOINTS, rows[1:], strict=False)))
         if _unit(*rows[1:3]) == "rad":

@@ -75,15 +75,11 @@ def run(study: Study) -> None:
     others, presets = measured[: -len(preset)], measured[-len(preset) :]
     study.write_csv("accuracy.csv", [*measured[0].row], [[*m.row.values()] for m in measured])
     study.save("accuracy", work_precision([m for m in others if np.isfinite(m.error)], presets), CAPTION)
+    entry = {"seed": study.config.solver.seed, "feet": feet.tolist(), "presets": [m.row for m in presets]}
     study.conclude(
         "The cost of accuracy",
         [],
-        {
-            "seed": study.config.solver.seed,
-            "feet": feet.tolist(),
-            **scene_entry(scene, numerics(CONVERGED, scene, space), MEASURED),
-            "presets": [m.row for m in presets],
-        },
+        entry | scene_entry(scene, numerics(CONVERGED, scene, space), MEASURED),
         summary=[
             f"{len(settings)} settings, {count} feet inside their box.",
             *(_describe(m, others) for m in presets),
