@@ -43,7 +43,7 @@ def own(name):
 
 FLAT, CIRCLE = fo.Foot.flat(), fo.Foot.shape("circle", closed=True)
 NOT_ABOVE_ZERO = (0.0, -1.0, math.nan, math.inf)
-SHORT = fo.Scene(t_f=0.5)
+SHORT, LONG = fo.Scene(t_f=0.5), fo.Scenario("long", fo.Scene())
 #: Settings, and calls of the library with a value that each cannot have.
 LIBRARY = [
     *each("accuracy", fo.Accuracy, stepper=["leapfrog"], rule=["square"], dt=[0.0, 1.5, math.nan]),
@@ -101,7 +101,7 @@ LIBRARY = [
     *each("engine", partial(make_executor, "processes"), workers=[0]),
     *each("study.spread", fo.Spread, zeta=[-0.1], mass=[math.inf], angles=[31.0]),
     *several("study.draws", partial(fo.draw, fo.Scene(), fo.Spread()), 0),
-    *several("scene.t_f", lambda s: fo.RobustProblem([s], references=np.ones(1)), fo.Scenario("a", SHORT)),
+    *several("scene.t_f", lambda s: fo.RobustProblem([LONG, s], references=[1, 1]), fo.Scenario("a", SHORT)),
 ]
 
 

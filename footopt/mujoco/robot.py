@@ -106,8 +106,8 @@ class Robot(Simulator):
             put(self, "duration", self.controller.duration)
         if self.after is None:
             put(self, "after", self.gait.heel_strike if self.gait else 0.0)
-        known = self.duration is not None and 0.0 < self.duration <= 1e5
-        check(known, "robot.duration", self.duration, "a time > 0 and <= 1e5, in s")
+        known = self.duration is not None and 0.0 < self.duration <= 300.0  # of whose steps all is in memory
+        check(known, "robot.duration", self.duration, "a time > 0 and <= 300, in s", "Are commands in s?")
         allowed = f"a time >= 0 and < {self.duration:g}, robot.duration, in s"
         check(0.0 <= self.after < self.duration, "robot.after", self.after, allowed)
         check(0.0 < self.lowest < 1.0, "robot.lowest", self.lowest, "a number between 0 and 1")
