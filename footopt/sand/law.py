@@ -69,9 +69,9 @@ class StressMap:
     def dissipation(self) -> float:
         """Smallest `power_taken` over all angles, N/cm^3: 0.054 of the generic map.
 
-        A law below zero somewhere gives energy to the walker there.
+        A law below zero somewhere gives energy to the walker there. Mirrored plates take the same power.
         """
-        beta, gamma = np.meshgrid(np.linspace(-np.pi / 2, np.pi / 2, 181), np.linspace(-np.pi, np.pi, 361))
+        beta, gamma = np.meshgrid(np.linspace(0.0, np.pi / 2, 91), np.linspace(-np.pi, np.pi, 361))
         return float(np.min(power_taken(beta, gamma, self))) / PER_CM3
 
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 import footopt as fo
 from footopt.errors import FileError
 from footopt.sand import GENERIC, Sand, StressMap
-from footopt.sand.law import PER_CM3
+from footopt.sand.law import PER_CM3, power_taken
 from footopt.walk.contact import Direction, resistance
 
 ANGLE = st.floats(-2 * math.pi, 2 * math.pi)
@@ -56,6 +56,12 @@ class TestGenericMap:
 
     def test_a_law_that_would_give_energy_shows_a_negative_dissipation(self):
         assert replace(GENERIC, C01=-0.253).dissipation() < 0
+
+    @given(MAPS)
+    def test_dissipation_is_the_least_power_at_any_angles(self, stress_map):
+        beta, gamma = np.random.default_rng(1).uniform(-0.5, 0.5, (2, 20_000)) * [[np.pi], [2 * np.pi]]
+        least, scale = stress_map.dissipation(), sum(map(abs, astuple(stress_map)))
+        assert power_taken(beta, gamma, stress_map).min() / PER_CM3 >= least - 1e-3 * scale
 
 
 class TestAffineForm:
