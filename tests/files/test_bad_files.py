@@ -46,7 +46,6 @@ def test_what_is_no_such_file_is_refused_with_its_name(kind, good, tmp_path):
         with pytest.raises(FileError) as caught:
             read(path, bad)
         assert path.name in str(caught.value)
-        assert len(str(caught.value)) < 500
 
 
 @pytest.mark.parametrize("kind", READERS)

@@ -1,4 +1,4 @@
-"""Effects together: derivatives, limits that go to nothing, balances of walks; settings."""
+"""Effects together: derivatives, limits that go to nothing, balances and hard cases of walks."""
 
 import operator
 from dataclasses import replace
@@ -26,6 +26,9 @@ import footopt as fo
 from footopt.effects import EFFECTS, Inertia, Layers, Patches, Slope, laws, reshaping
 from footopt.effects import base as effects
 from footopt.effects.dual import Dual
+from footopt.studies.stability import judge_case
+from footopt.studies.stability_cases import CASES
+from footopt.walk.accuracy import PRESETS
 from footopt.walk.checks import energy_gap
 from footopt.walk.discretize import sole_of
 from footopt.walk.newton import NEWTON
@@ -153,6 +156,24 @@ class TestWalks:
         order = np.random.default_rng(0).permutation(len(k))
         np.testing.assert_array_equal(fo.evaluate(k[order], scene).raw, one.raw[order])
         np.testing.assert_array_equal(fo.evaluate(k[17], scene).raw[0], one.raw[17])
+
+
+HARD = ("standing on zeta 5", "a foot set down at 3 m/s", "spiky soles", "creep 1e-9 on zeta 50",
+        "a step ten times larger", "sinking to the hip")  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "effects", [(fo.Rest(),), (fo.LeadingEdge(),), ALL], ids=["rest", "leading edge", "all"]
+)
+@pytest.mark.parametrize("case", HARD)
+def test_hard_cases_are_stable_with_effects(effects, case):
+    """With the two that turn forces off and on, and with all but rest at once. Each is compiled twice."""
+    (chosen,) = (c for c in CASES if c.name == case)
+    foot = fo.Foot.from_waypoints([5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4])
+    base = (foot, fo.Scene(effects=effects), PRESETS["standard"])
+    (verdict,) = judge_case(chosen, base, ["sdirk2_control"])
+    assert verdict.stable, verdict.measures
 
 
 def test_the_order_in_which_effects_are_named_does_not_matter():

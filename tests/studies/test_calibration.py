@@ -1,16 +1,13 @@
 """Tests with plates give zeta within its interval, what contradicts the law, or a clear refusal."""
 
-import os
-
 import numpy as np
 import pytest
 import yaml
-from running import footopt
+from running import footopt, tries
 
 import footopt as fo
 from footopt.studies.calibrate import SHALLOW, calibrate
 
-SAMPLE = 60  # tests of a sand; more with FOOTOPT_CALIBRATIONS
 HEAD = "depth_mm,force_N,area_cm2,angle_deg,direction_deg,repeat\n"
 
 
@@ -39,7 +36,7 @@ def zeta_of(depth, exponent, zeta=1.0):
 @pytest.mark.slow
 def test_intervals_hold_what_is_true_as_often_as_they_say(tmp_path):
     """Over sands, exponents of depth and numbers of repeats drawn at random."""
-    rng, count = np.random.default_rng(1), int(os.environ.get("FOOTOPT_CALIBRATIONS", SAMPLE))
+    rng, count = np.random.default_rng(1), tries(60)
     held = np.zeros(2)
     for _ in range(count):
         zeta, exponent, repeats = rng.uniform(0.2, 4.0), rng.uniform(0.9, 1.5), int(rng.integers(3, 9))
@@ -58,11 +55,6 @@ def test_without_noise_zeta_is_exact_in_every_part(tmp_path):
     assert found.zeta.value == pytest.approx(2.0, rel=1e-4)  # forces are written to a millinewton
     assert [ratio.value for ratio in found.parts.values()] == pytest.approx([1.0] * 4, rel=1e-3)
     assert found.warnings == []
-    rows = (tmp_path / "t.csv").read_text().removeprefix(HEAD)
-    (tmp_path / "t.csv").write_text(
-        f"Depth [mm],Force (N),Area [cm²],Angle_deg,direction [deg],Repeat\n{rows}"
-    )
-    assert calibrate(tmp_path / "t.csv").zeta == found.zeta
 
 
 def test_the_spread_is_that_of_sand_prepared_anew(tmp_path):
@@ -70,21 +62,23 @@ def test_the_spread_is_that_of_sand_prepared_anew(tmp_path):
     assert found.spread == pytest.approx(0.2, rel=0.1)
 
 
-class TestWarnings:
-    @pytest.mark.parametrize("repeats", [1, 5])
-    def test_growth_with_another_power_is_said_of_shallow_tests(self, repeats, tmp_path):
-        rng = np.random.default_rng(1)
-        straight = calibrate(plates_in_sand(tmp_path / "t.csv", rng, repeats=repeats))
-        assert not any("above" in w for w in straight.warnings)
-        bent = calibrate(plates_in_sand(tmp_path / "t.csv", rng, 0.8, 1.34, repeats))
-        assert "zeta of the tests less than 16 mm deep is 0.7" in bent.warnings[0]
+@pytest.mark.parametrize("repeats", [1, 5])
+def test_growth_with_another_power_is_said_of_shallow_tests(repeats, tmp_path):
+    rng = np.random.default_rng(1)
+    straight = calibrate(plates_in_sand(tmp_path / "t.csv", rng, repeats=repeats))
+    assert not any("above" in w for w in straight.warnings)
+    bent = calibrate(plates_in_sand(tmp_path / "t.csv", rng, 0.8, 1.34, repeats))
+    assert "zeta of the tests less than 16 mm deep is 0.7" in bent.warnings[0]
 
 
 @pytest.mark.parametrize("mark", [";", "\t"])
-def test_a_table_from_a_spreadsheet_with_decimal_commas_is_the_same(tmp_path, mark):
+def test_a_table_from_a_spreadsheet_with_decimal_commas_and_units_in_its_head_is_the_same(tmp_path, mark):
     path = plates_in_sand(tmp_path / "t.csv", np.random.default_rng(1))
+    table = path.read_text().replace(
+        HEAD, "Depth [mm],Force (N),Area [cm²],Angle_deg,direction [deg],Repeat\n"
+    )
     other = tmp_path / "other.csv"
-    other.write_bytes(b"\xef\xbb\xbf" + path.read_bytes().replace(b",", mark.encode()).replace(b".", b","))
+    other.write_text("\ufeff" + table.replace(",", mark).replace(".", ","), encoding="utf-8")
     assert calibrate(other).repeats == calibrate(path).repeats
 
 
@@ -92,13 +86,10 @@ def test_the_study_leaves_a_sand_that_runs_use(tmp_path):
     plates_in_sand(tmp_path / "my beach.csv", np.random.default_rng(1), 0.8, 1.3)
     done = footopt("study=calibrate", "study.tests=my beach.csv", "hydra.run.dir=found", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    assert "the law does not hold there" in done.stdout
     file = yaml.safe_load((tmp_path / "found" / "sand" / "my_beach.yaml").read_text())
     assert file["zeta"] == pytest.approx(0.94, rel=0.15)
-    used = footopt(
-        "--config-dir", "found", "study=simulate", "sand=my_beach", "accuracy=draft", "report=none",
-        "hydra.run.dir=walk", cwd=tmp_path,
-    )  # fmt: skip
+    words = ["study=simulate", "sand=my_beach", "accuracy=draft", "report=none", "hydra.run.dir=walk"]
+    used = footopt("--config-dir", "found", *words, cwd=tmp_path)
     assert used.returncode == 0, used.stderr
     run = fo.load(tmp_path / "walk")
     assert run.scene.sand.zeta == pytest.approx(file["zeta"])

@@ -40,7 +40,6 @@ class TestLoad:
         assert run.foot.k == tuple(run.result["design"]["k"])
         assert not run.result["laws"]  # nothing is walked again
         assert {n: run.walk().objectives[n] for n in run.best} == run.best
-        assert repr(run).startswith(f"<Run {run.folder}: sand=soft accuracy=draft")
 
     def test_gives_its_designs_and_its_front_as_frames(self, made):
         run = made[1]
@@ -55,10 +54,7 @@ class TestLoad:
         assert front.iloc[0][[f"k{i}" for i in range(1, 6)]].astype(int).tolist() == list(run.foot.k)
         assert front.iloc[0]["work"] == run.best["work"]
         (run.folder / "designs.csv").rename(run.folder / "away")  # as report=none leaves it
-        try:
-            assert run.designs.drop(columns="reason").equals(designs.drop(columns="reason"))
-        finally:
-            (run.folder / "away").rename(run.folder / "designs.csv")
+        assert run.designs.drop(columns="reason").equals(designs.drop(columns="reason"))
 
     def test_gives_the_objects_of_a_walk(self, made):
         run = made[2]
@@ -70,15 +66,11 @@ class TestLoad:
 
     @pytest.mark.usefixtures("clean")
     def test_code_that_its_settings_name_is_run_only_for_who_trusts_it(self, made, tmp_path):
-        folder = tmp_path / "plugged"
-        shutil.copytree(made[2].folder, folder)
+        folder = shutil.copytree(made[2].folder, tmp_path / "plugged")
         settings, words, _ = identity.read(folder)
         (tmp_path / "mine.py").write_text("raise SystemExit('run')\n")
-        code = (
-            {"robot": {**settings["robot"], "controller": "mine.py:f"}},
-            {"plugins": [str(tmp_path / "mine.py")]},
-        )
-        for change in code:
+        robot = settings["robot"] | {"controller": "mine.py:f"}
+        for change in ({"robot": robot}, {"plugins": [str(tmp_path / "mine.py")]}):
             identity.write(folder, {**settings, **change}, words)
             with pytest.raises(SettingError, match=r"must be trusted: it comes from .*trust=True"):
                 _ = fo.load(folder).scene
@@ -105,10 +97,8 @@ def test_all_runs_are_a_table_with_a_column_for_each_setting_objective_and_time(
     assert row["work"] == search.best["work"]
     assert row["hypervolume"] == search.result["hypervolume"]
     assert row["wall_time_s"] > 0
-    assert any(name.startswith("validity.") for name in table.columns)
     notes = table.set_index("folder")["note"]
-    assert notes[str(cwd / "out/sweep/0")] == "sunk"
-    assert notes[str(walk.folder)] == ""
+    assert (notes[str(cwd / "out/sweep/0")], notes[str(walk.folder)]) == ("sunk", "")
     assert row["overrides"] == " ".join(WORDS)
 
 
@@ -121,8 +111,7 @@ def test_a_robots_run_is_loaded_and_walked_again_as_a_robot(tmp_path, monkeypatc
     run = fo.run([*words, "robot.duration=1.4", "foot.k=[1,2,3,2,1]", "foot.n=5"], folder="first")
     assert run.scene == fo.mujoco.Robot(sand=fo.Sand.named("soft"), duration=1.4)
     again = fo.run(["study=simulate", "study.run=first"], folder="again")
-    assert again.best == run.best
-    assert again.scene == run.scene
+    assert (again.best, again.scene) == (run.best, run.scene)
     with pytest.raises(SettingError, match=r"scene\.t_f"):
         fo.run(["study=simulate", "study.run=first", "scene.t_f=2"])
 

@@ -9,7 +9,6 @@ from study_pages import check_page
 
 from footopt import studies
 from footopt.errors import SettingError
-from footopt.report.summary import compare
 from footopt.studies.runs import run_study
 
 PLUGIN = """
@@ -52,9 +51,7 @@ def test_it_is_found_by_its_name(tmp_path, capsys, monkeypatch):
     with pytest.raises(SettingError, match=r"^sand\.zeta = 2\.0: must be left out: study=hollow does not"):
         run_study(composed("study=hollow", "sand.zeta=2", *words), tmp_path, {}, ["sand.zeta=2"])
     check_page(tmp_path)
-    assert compare(tmp_path, [tmp_path]) == 0  # as a job of a multirun, without a sole
     result = json.loads((tmp_path / "result.json").read_text())
     assert list(result) == ["study", "objectives", "settings", *MADE]
     assert (result["study"], result["settings"]) == ("hollow", {"any": 1})
-    said = capsys.readouterr().out
-    assert said.index("It is hollow.") < said.index(f"Everything is in {tmp_path}")
+    assert "It is hollow." in capsys.readouterr().out

@@ -1,10 +1,10 @@
-"""study=robust: one foot for several sands or for drawn scenarios, and what it loses in each."""
+"""One foot for several sands, for drawn scenarios, or for the walker and a robot: what it loses in each."""
 
 import json
 
 import numpy as np
 import pytest
-from motion_files import degrees
+from motion_files import write_table
 from running import composed, footopt, unrender
 from study_pages import check_page
 
@@ -17,60 +17,70 @@ from footopt.studies.runs import run_study
 from footopt.walk.accuracy import PRESETS
 from footopt.walk.ladder import numerics
 
-SANDS = sands(fo.Scene())
-#: A study that takes a second.
+#: Studies that take seconds.
 BRIEF = ["study=robust", "solver.n_gen=5", "foot.n=5", "solver.pop_size=20", "accuracy=draft",
          "study.confirm=standard"]  # fmt: skip
+TRANSFER = ["study=transfer", "study.sands=[hard,2.5]", "study.walks=60", "solver.walks=20", "study.soles=8",
+            "foot.n=5", "foot.K=4", "accuracy=custom", "accuracy.dt=2e-3", "accuracy.plates=16",
+            "study.confirm=null", "robot.duration=1.4"]  # fmt: skip
 
 
-@pytest.fixture(scope="module")
-def run_sands(tmp_path_factory):
-    cwd = tmp_path_factory.mktemp("sands")
-    done = footopt(*BRIEF, "hydra.run.dir=run", cwd=cwd)
+@pytest.mark.slow
+def test_regrets_are_what_the_library_computes(tmp_path):
+    done = footopt(*BRIEF, "hydra.run.dir=run", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    return done, cwd / "run"
+    result = json.loads((tmp_path / "run" / "result.json").read_text())
+    assert list(result["feet"]) == ["soft", "regular", "hard", "robust"]
+    space = fo.Waypoints(n=5)
+    for scenario, saved in zip(sands(fo.Scene()), result["scenarios"], strict=True):
+        walked = fo.Accuracy(**saved["accuracy"])
+        assert walked == numerics(PRESETS["standard"], scenario.scene, space)
+        table = fo.evaluate(list(result["feet"].values()), scenario.scene, walked, space=space)
+        expected = 1 - table.efficiency / table.efficiency[:3].min()
+        found = [result["regrets"][name][scenario.name] for name in result["feet"]]
+        np.testing.assert_allclose(found, expected, atol=1e-12)
 
 
-class TestStudy:
-    @pytest.mark.slow
-    def test_regrets_are_what_the_library_computes(self, run_sands):
-        result = json.loads((run_sands[1] / "result.json").read_text())
-        assert list(result["feet"]) == ["soft", "regular", "hard", "robust"]
-        space = fo.Waypoints(n=5)
-        for scenario, saved in zip(SANDS, result["scenarios"], strict=True):
-            walked = fo.Accuracy(**saved["accuracy"])
-            assert walked == numerics(PRESETS["standard"], scenario.scene, space)
-            table = fo.evaluate(list(result["feet"].values()), scenario.scene, walked, space=space)
-            best = table.efficiency[:3].min()
-            expected = 1 - table.efficiency / best
-            found = [result["regrets"][name][scenario.name] for name in result["feet"]]
-            np.testing.assert_allclose(found, expected, atol=1e-12)
-            assert min(found[:3]) == 0.0
+@pytest.mark.slow
+def test_of_drawn_scenarios_each_has_its_specialist(tmp_path, monkeypatch):
+    unrender(monkeypatch)
+    words = ["study.scenarios=drawn", "study.draws=3", "study.measure=tail", "solver=nsga2"]
+    run_study(composed(*BRIEF, *words, "objective.names=[distance,efficiency]"), tmp_path, {})
+    check_page(tmp_path)
+    result = json.loads((tmp_path / "result.json").read_text())
+    assert list(result["feet"]) == ["draw 1", "draw 2", "draw 3", "robust"]
+    zetas = [s["scene"]["sand"]["zeta"] for s in result["scenarios"]]
+    assert zetas == [s.scene.sand.zeta for s in fo.draw(fo.Scene(), fo.Spread(), 3, 1)]
 
-    @pytest.mark.slow
-    def test_of_drawn_scenarios_each_has_its_specialist(self, tmp_path, monkeypatch):
-        unrender(monkeypatch)
-        config = composed(*BRIEF, "study.scenarios=drawn", "study.draws=3", "study.measure=tail",
-                          "solver=nsga2",
-                          "objective.names=[distance,efficiency]")  # fmt: skip
-        run_study(config, tmp_path, {})
-        check_page(tmp_path)
-        result = json.loads((tmp_path / "result.json").read_text())
-        assert list(result["feet"]) == ["draw 1", "draw 2", "draw 3", "robust"]
-        drawn = fo.draw(fo.Scene(), fo.Spread(), 3, 1)
-        zetas = [s["scene"]["sand"]["zeta"] for s in result["scenarios"]]
-        assert zetas == [s.scene.sand.zeta for s in drawn]
 
-    def test_what_is_null_is_measured_from_the_strides_of_the_gait(self, tmp_path):
-        path, t = tmp_path / "walk.csv", np.arange(0.0, 6.1, 0.01)
-        rng, angles = np.random.default_rng(1), degrees(fo.Gait.human(), t / 1.2)
-        rows = np.stack([t, angles["thigh"], angles["knee"] + rng.normal(0.0, 0.5, len(t))], axis=1)
-        np.savetxt(path, rows, delimiter=",", header="time,thigh,knee", comments="")
-        null = ("study.spread.angles=null", "study.spread.period=null")
-        spread = make_spread(composed(*BRIEF, "gait=file", f"gait.path={path}", *null))
-        period, angles = read_strides(path).variation()
-        assert spread == fo.Spread(period=period, angles=angles)
-        assert 0.1 < angles < 1.0
-        for gait in ((), ("gait=file", f"gait.path={path}", "gait.window=[0,1.2]")):
-            with pytest.raises(SettingError, match=r"study\.spread\.period = None: must be a number, unless"):
-                make_spread(composed(*BRIEF, *gait, *null))
+def test_what_is_null_is_measured_from_the_strides_of_the_gait(tmp_path):
+    path = write_table(tmp_path / "walk.csv", fo.Gait.human(), 5.0)
+    null = ("study.spread.angles=null", "study.spread.period=null")
+    spread = make_spread(composed(*BRIEF, "gait=file", f"gait.path={path}", *null))
+    period, angles = read_strides(path).variation()
+    assert spread == fo.Spread(period=period, angles=angles)
+    for gait in ((), ("gait=file", f"gait.path={path}", "gait.window=[0,1.2]")):
+        with pytest.raises(SettingError, match=r"study\.spread\.period = None: must be a number, unless"):
+            make_spread(composed(*BRIEF, *gait, *null))
+
+
+@pytest.mark.slow
+def test_each_foot_walks_on_both_and_losses_are_against_the_better_design(tmp_path):
+    pytest.importorskip("mujoco")
+    run_study(composed(*TRANSFER), tmp_path, {}, TRANSFER)
+    result = json.loads((tmp_path / "result.json").read_text())
+    space = fo.Waypoints(n=5, K=4)
+    assert [found["sand"] for found in result["transfer"]] == ["hard", "zeta 2.5"]
+    for found, sand in zip(result["transfer"], (fo.Sand.named("hard"), fo.Sand(zeta=2.5)), strict=True):
+        feet = found["feet"]
+        assert [*feet] == ["flat", "walker", "robot"]
+        soles = [fo.Foot.from_waypoints(k, space) for k in feet.values()]
+        robot = fo.mujoco.Robot(sand=sand, duration=1.4)
+        values = fo.evaluate(soles, robot, fo.Accuracy(dt=2e-3, plates=16), "efficiency").values[:, 0]
+        given = [found["values"]["robot"][name]["efficiency"] for name in feet]
+        np.testing.assert_allclose(given, values, rtol=1e-12)
+        np.testing.assert_allclose([*found["losses"]["robot"].values()], 1 - values / values[1:].min())
+        assert found["losses"]["walker"]["walker"] == 0.0
+        assert -1.0 <= found["tau"] <= 1.0
+        assert found["soles"] <= 8
+    check_page(tmp_path)
