@@ -45,7 +45,8 @@ def test_who_stands_for_a_minute_stays(zeta, ramp_foot):
 @pytest.mark.parametrize(("zeta", "slope"), [(0.2, 0.0), (5.0, 15.0)])
 def test_accuracies_time_steps_and_delta_put_the_walker_in_one_place(zeta, slope, ramp_foot):
     tilt, by_hand = fo.Slope(slope), fo.Accuracy(dt=1e-2, plates=56)
-    numerics = [("draft", 1e-6), ("standard", 1e-6), ("fine", 1e-6), (by_hand, 1e-6), (by_hand, 1e-7)]
+    numerics = [("draft", 1e-6), ("standard", 1e-6), ("fine", 1e-6), (by_hand, 1e-6), (by_hand, 1e-7),
+                (fo.Accuracy("implicit_euler", dt=1e-3, plates=56), 1e-6)]  # fmt: skip
     places, scene = [], standing(zeta, t_f=20.0)
     for accuracy, delta in numerics:
         walk = fo.simulate(ramp_foot, replace(scene, effects=(fo.Rest(delta), tilt)), accuracy)
