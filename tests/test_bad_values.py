@@ -70,6 +70,7 @@ LIBRARY = [
     *each("sand.coefficients", fo.StressMap, B01=[math.nan, math.inf, 1.1e4]),
     *each("gait", fo.Gait.human, period=[0.0, math.inf, math.nan], start=[-0.1, math.nan], pitch=["ankle"]),
     *several("gait.pitch", lambda pitch: replace(fo.Gait.human(), foot=None, pitch=pitch), "measured"),
+    *several("angles", lambda t: fo.fit_gait(t, t, t), [], [[1.0]], 3.0),
     *several("foot.shape", fo.Foot.shape, "clown"),
     *each("foot", partial(fo.Foot.shape, "circle"), length=[0.0, math.nan], width=[-1.0]),
     *each("foot", partial(fo.Foot.shape, "reversed_l"), upright=["middle"]),

@@ -13,6 +13,8 @@ from footopt.files.gaits import read_strides
 from footopt.files.strides import cut
 from footopt.gait import Fourier
 
+SECONDS = np.arange(0.0, 6.0, 0.01)
+
 
 def another(rng):
     """The built-in gait as another person may walk it."""
@@ -77,17 +79,20 @@ class TestStrides:
         assert misfit(gait) < 0.05
 
     def test_a_stride_unlike_the_others_is_refused(self):
-        t = np.arange(0.0, 6.0, 0.01)
-        angles = degrees(HUMAN, t / HUMAN.period)
+        angles = degrees(HUMAN, SECONDS / HUMAN.period)
         angles["knee"][280:320] += 40.0
         with pytest.raises(FileError, match=r"differs from the mean .* knee: no steady walk.*gait\.window"):
-            fo.fit_gait(t, *angles.values())
+            fo.fit_gait(SECONDS, *angles.values())
 
     def test_a_walk_backwards_is_refused(self):
-        """As with a wrong sign of the hip: such angles would walk."""
-        t = np.arange(0.0, 6.0, 0.01)
         with pytest.raises(FileError, match="walk backwards"):
-            fo.fit_gait(t, *degrees(HUMAN, -t / HUMAN.period).values())
+            fo.fit_gait(SECONDS, *degrees(HUMAN, -SECONDS / HUMAN.period).values())
+
+    def test_radians_are_refused_and_a_straight_knee_is_not(self):
+        t, (thigh, knee, _) = 0.02 * np.arange(61), degrees(HUMAN, np.linspace(0.0, 1.0, 61)).values()
+        fo.fit_gait(t, thigh, 0.0 * knee)
+        with pytest.raises(FileError, match="in degrees"):
+            fo.fit_gait(t, np.radians(thigh), np.radians(knee))
 
 
 class TestOpenSim:

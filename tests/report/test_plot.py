@@ -135,3 +135,11 @@ def test_the_frame_of_a_search_is_designs_csv(searches, tmp_path, kind):
     for name in ("generation", "k3", "work", "feasible", "reason"):
         np.testing.assert_array_equal(frame[name].astype(read[name].dtype), read[name])
     assert frame.attrs["units"]["work"] == "J"
+
+
+def test_the_frame_of_a_walk_is_its_traces():
+    walk = fo.simulate(fo.Foot.flat(), fo.Scene(), "draft")
+    frame, traces = walk.to_frame(), [walk.com, walk.velocity, walk.force, walk.power, walk.work]
+    np.testing.assert_array_equal(frame, np.hstack([trace.reshape(len(walk.t), -1) for trace in traces]))
+    assert list(frame.columns[4:7]) == ["force_left_x", "force_left_z", "force_right_x"]
+    np.testing.assert_array_equal(frame.index, walk.t)

@@ -6,6 +6,7 @@ import yaml
 from running import footopt, tries
 
 import footopt as fo
+from footopt.errors import FileError
 from footopt.studies.calibrate import SHALLOW, calibrate
 
 HEAD = "depth_mm,force_N,area_cm2,angle_deg,direction_deg,repeat\n"
@@ -80,6 +81,11 @@ def test_a_table_from_a_spreadsheet_with_decimal_commas_and_units_in_its_head_is
     other = tmp_path / "other.csv"
     other.write_text("\ufeff" + table.replace(",", mark).replace(".", ","), encoding="utf-8")
     assert calibrate(other).repeats == calibrate(path).repeats
+    path.write_text(path.read_text().replace("repeat", "Trial"))
+    assert calibrate(path).unread == ["Trial"]
+    path.write_text(HEAD + "0.01,20,25,0,90,1\n")
+    with pytest.raises(FileError, match="depth_mm is in mm"):
+        calibrate(path)
 
 
 def test_the_study_leaves_a_sand_that_runs_use(tmp_path):
