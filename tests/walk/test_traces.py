@@ -150,8 +150,9 @@ class TestValidity:
             assert soft[name].value > regular[name].value > hard[name].value
         shares = [d["share of |W| on trailing faces"].value for d in (soft, regular, hard)]
         np.testing.assert_allclose(shares, [0.45, 0.30, 0.18], atol=0.03)
+        regular, hard = ([d.name.split()[-1] for d in of.values() if d.outside] for of in (regular, hard))
+        assert (regular, hard) == (["ankle", "faces"], ["ankle"])
         assert soft["depth of the sole"].outside
-        assert not hard["depth of the sole"].outside
 
     def test_lengths_in_another_unit_stand_out(self):
         """A thigh of 9 m, and a half length of 1.3 m that was meant as 13 cm."""
