@@ -70,11 +70,11 @@ def test_the_first_instant_carries_the_weight(flat_foot):
     assert np.abs(walk.com - walk.start).max() < DRIFT
 
 
-@pytest.mark.slow  # of compiling
-def test_bristles_stay_in_the_unit_disc_and_sand_forgets_a_foot_that_has_left(ramp_foot):
-    walk = fo.simulate(ramp_foot, fo.Scene(effects=(fo.Rest(),)))
+@pytest.mark.parametrize("accuracy", ["standard", fo.Accuracy("implicit_euler", 5e-3, 56)], ids=["", "euler"])
+def test_bristles_stay_in_the_unit_disc_and_sand_forgets_a_foot_that_has_left(ramp_foot, accuracy):
+    walk = fo.simulate(ramp_foot, fo.Scene(effects=(fo.Rest(),)), accuracy)
     states = walk.plates(np.arange(len(walk.t)))
-    assert np.linalg.norm(walk.bristles, axis=-1).max() < 1.0 + 1e-6
+    assert 1.0 + 1e-6 > np.linalg.norm(walk.bristles, axis=-1).max() > 0.9
     assert (walk.bristles[states.position[..., 1] > 0.0] == 0.0).all()
 
 

@@ -43,7 +43,7 @@ def test_neighbours_are_those_of_the_definition():
         assert sorted(map(tuple, found)) == sorted(map(tuple, near(k, SMALL)))
 
 
-@pytest.mark.parametrize(("n", "K", "distance"), [(11, 10, 2), (11, 100, 1)])
+@pytest.mark.parametrize(("n", "K", "distance"), [(11, 10, 2), (22, 10, 2), (23, 10, 1), (11, 100, 1)])
 def test_a_large_neighbourhood_is_cut_down_to_what_can_be_walked(n, K, distance):
     space = fo.Waypoints(n=n, K=K)
     found, within = neighbours(np.full(n, 2), space)

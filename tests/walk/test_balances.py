@@ -12,7 +12,7 @@ import footopt as fo
 from footopt.sand.law import GENERIC
 from footopt.studies.stability_cases import MARCH
 from footopt.walk import STEPPERS
-from footopt.walk.checks import energy_gap, power_from_sand, sinking_speed, smoothing_power
+from footopt.walk.checks import NOISE, energy_gap, power_from_sand, sinking_speed, smoothing_power
 from footopt.walk.contact import Direction, resistance
 from footopt.walk.newton import MAX_NEWTON
 
@@ -109,6 +109,9 @@ class TestEnergy:
     def test_the_sand_gives_no_power_beyond_that(self, stepper, ramp_foot):
         walk = fo.simulate(ramp_foot, fo.Scene(), fo.Accuracy(stepper, 1e-3, 64, 1e-4))
         assert power_from_sand(walk) <= smoothing_power(GENERIC)
+        plates, given = walk.plates(np.arange(len(walk.t))), walk.power > NOISE * np.abs(walk.power).max()
+        share = walk.power / np.maximum(np.hypot(*plates.force.T).T.sum(axis=-1) * plates.slip, 1e-300)
+        assert power_from_sand(walk, len(walk.t)) == pytest.approx(share[given].max(initial=0.0))
 
     @pytest.mark.slow
     def test_the_sand_gives_none_in_random_marches(self):
