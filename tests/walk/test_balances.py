@@ -109,13 +109,13 @@ class TestEnergy:
     def test_the_sand_gives_no_power_beyond_that(self, stepper, ramp_foot):
         walk = fo.simulate(ramp_foot, fo.Scene(), fo.Accuracy(stepper, 1e-3, 64, 1e-4))
         assert power_from_sand(walk) <= smoothing_power(GENERIC)
+        walk = fo.simulate(ramp_foot, fo.Scene(), fo.Accuracy(stepper, 1e-3, 64, creep=0.3))  # gives some
         plates, given = walk.plates(np.arange(len(walk.t))), walk.power > NOISE * np.abs(walk.power).max()
         share = walk.power / np.maximum(np.hypot(*plates.force.T).T.sum(axis=-1) * plates.slip, 1e-300)
-        assert power_from_sand(walk, len(walk.t)) == pytest.approx(share[given].max(initial=0.0))
+        assert power_from_sand(walk, len(walk.t)) == pytest.approx(share[given].max())
 
     @pytest.mark.slow
     def test_the_sand_gives_none_in_random_marches(self):
-        """That set feet down at 2 to 4 m/s, on zeta 0.2 to 50, by walkers of 25 to 120 kg."""
         for seed in range(20):
             rng = np.random.default_rng(seed)
             foot = fo.Foot.from_waypoints(rng.integers(1, 11, 11))
