@@ -7,12 +7,13 @@ from functools import partial
 
 import numpy as np
 import pytest
+from motion_files import HUMAN, degrees
 
 import footopt as fo
 from footopt.design import Choice, Solver, make_executor
 from footopt.design.solvers import register
 from footopt.effects import Effect
-from footopt.errors import SettingError
+from footopt.errors import FileError, SettingError
 from footopt.files.feet import body_outline
 from footopt.walk.objectives import lookup, objective
 
@@ -112,3 +113,21 @@ def test_the_library_names_the_setting_of_a_value_that_cannot_be(row):
     with pytest.raises(SettingError, match=rf"^{re.escape(setting)} = ") as caught:
         call()
     assert caught.value.setting == setting
+
+
+@pytest.mark.parametrize("last", [60.0, 80.0, 200.0, 2.0 * math.pi])
+def test_a_table_by_phase_is_of_one_whole_stride(last, tmp_path):
+    def write(last):
+        phase = np.linspace(0.0, last, 51)
+        rows = zip(phase, *degrees(HUMAN, np.linspace(0.0, 1.0, 51)).values(), strict=True)
+        (tmp_path / "a.csv").write_text(
+            "percent,thigh,knee,foot\n" + "\n".join(",".join(map(str, row)) for row in rows)
+        )
+
+    write(last)
+    with pytest.raises(FileError, match="whole stride"):
+        fo.read_gait(tmp_path / "a.csv")
+    write(100.0)
+    for setting, value in {"window": (0.1, 0.9), "names": {"pelvis": "tilt"}}.items():
+        with pytest.raises(SettingError, match=f"gait.{setting}"):
+            fo.read_gait(tmp_path / "a.csv", **{setting: value})

@@ -127,6 +127,7 @@ def read_strides(
         text = io.read_text(path, "gait.path")
         table = io.parse_table(text if suffix == ".csv" else text.partition("endheader")[2])
         t, angles, whole, notes = _leg(table, names or {}, side)
+        check(window is None or whole is None, "gait.window", window, "null for a stride by its phase")
         return cut(t, angles, whole or window, notes)
 
 
@@ -156,7 +157,8 @@ def _leg(
 
     def column(part: str, leg: str) -> str | None:
         if part in names:
-            return names[part] if names[part] in table else None
+            check(names[part] in table, f"gait.names.{part}", names[part], "the name of a column")
+            return names[part]
         form = re.compile(f"({leg[0]}|{leg})?({COLUMNS[part]})({leg[0]}|{leg})?")
         return next((name for name in table if form.fullmatch(_plain(name))), None)
 
@@ -189,6 +191,9 @@ def _leg(
     if "time" in read:
         return read["time"], angles, None, notes
     share = read["percent"] / (100.0 if read["percent"].max() > 2.0 else 1.0)
+    if not share[0] + 1.0 - 2.0 * np.diff(share).max() <= share[-1] <= share[0] + 1.0 + 1e-6:
+        low, high = read["percent"][[0, -1]]
+        raise Unusable(f"is no whole stride: its phase, in percent or to 1, is {low:g} to {high:g}.")
     t = PHASE_PERIOD * (share - share[0])
     if t[-1] < (1.0 - 1e-6) * PHASE_PERIOD:  # the first row comes again at 100 %
         t, angles = np.append(t, PHASE_PERIOD), {joint: np.append(v, v[0]) for joint, v in angles.items()}

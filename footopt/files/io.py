@@ -65,9 +65,7 @@ def parse_table(text: str) -> Table:
         rows = [[re.sub(r"^([-+]?\d*),(\d+)", r"\1.\2", cell) for cell in row] for row in rows]
     for i, row in enumerate(rows, start=1):
         if len(row) != len(header):  # more as with decimal commas
-            raise Unusable(
-                f"not a table of numbers (row {i} has {len(row)} cells, the header {len(header)})."
-            )
+            raise Unusable(f"not a table: row {i} has {len(row)} cells, the header {len(header)}.")
     return {name: [row[i] for row in rows] for i, name in enumerate(header)}
 
 

@@ -23,8 +23,8 @@ class Tracker:
     """Servos whose joints follow a gait.
 
     Every joint needs one position servo, an actuator with a gain and a bias of -gain times its angle
-    (MuJoCo's ``position``). One that damps the joint's rate is told where the joint is going, so that it
-    damps the error's rate alone.
+    (MuJoCo's ``position``, with a gear of 1). One that damps the joint's rate is told where the joint is
+    going, so that it damps the error's rate alone.
 
     Parameters
     ----------
@@ -72,8 +72,10 @@ class Tracker:
                 names = ", ".join(model.joint(i).name for i in range(model.njnt))
                 raise SettingError("joints", name, f"a joint of the model: {names}")
             acts = np.flatnonzero((model.actuator_trntype == 0) & (model.actuator_trnid[:, 0] == row[0]))
-            servo = len(acts) == 1 and model.actuator_biastype[acts[0]] == 1
-            check(servo, "joints", name, "turned by one position servo", "Or take a controller of your own.")
+            stiffness = (model.actuator_gainprm[i, 0] + model.actuator_biasprm[i, 1] for i in acts)
+            kinds = zip(model.actuator_biastype[acts], model.actuator_gear[acts, 0], stiffness, strict=True)
+            allowed = "turned by one position servo with a gear of 1"
+            check([*kinds] == [(1, 1, 0)], "joints", name, allowed, "Or take a controller of your own.")
             found[int(acts[0])] = name
         return found
 

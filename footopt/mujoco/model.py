@@ -49,10 +49,8 @@ class Model:
                 if name not in bodies or name == "world":
                     names = ", ".join(name for name in bodies if name and name != "world")
                     raise SettingError("robot.feet", name, f"the name of a body: {names}")
-            floors = mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_HFIELD
             for geom in spec.geoms:
-                floor = geom.parent.name == "world" and geom.type in floors
-                if floor or geom.parent.name in feet:
+                if geom.parent.name in feet:
                     geom.contype = geom.conaffinity = 0
             _measure(mujoco, spec, bodies[feet[0]])
             model = spec.compile()
@@ -61,6 +59,8 @@ class Model:
         except (ValueError, OSError) as error:  # what MuJoCo says of a model that it cannot read
             said = " ".join(str(error).split())
             raise SettingError("robot.model", what, "a model that MuJoCo compiles", said) from None
+        others = model.body_rootid[model.geom_bodyid] != model.body_rootid[model.body(feet[0]).id]
+        model.geom_contype[others] = model.geom_conaffinity[others] = 0  # floors, and what lies about
         content = np.empty(mujoco.mj_sizeModel(model), np.uint8)
         mujoco.mj_saveModel(model, None, content)
         made = cls(hashlib.sha256(content.tobytes()).hexdigest(), model, tuple(feet), mujoco.__version__)
@@ -96,6 +96,12 @@ class Model:
             found.body_inertia[row] = mass * np.array([least + across, mean + mean, most + across])
         mujoco.mj_setConst(found, mujoco.MjData(found))
         return replace(self, digest=f"{self.digest} {density} {hash(foot)}", compiled=found)
+
+    @property
+    def mass(self) -> float:
+        """Of the feet and all that hangs together with them, kg."""
+        m = self.compiled
+        return float(m.body_subtreemass[m.body_rootid[m.body(self.feet[0]).id]])
 
     @cached_property
     def height_address(self) -> int:
@@ -179,7 +185,7 @@ def _measure(mujoco: Any, spec: Any, foot: Any) -> None:
         root = root.parent
     kind, thing = mujoco.mjtSensor, mujoco.mjtObj
     for whole in (kind.mjSENS_SUBTREECOM, kind.mjSENS_SUBTREELINVEL):
-        spec.add_sensor(type=whole, objtype=thing.mjOBJ_BODY, objname="world")
+        spec.add_sensor(type=whole, objtype=thing.mjOBJ_BODY, objname=root.name)
     spec.add_sensor(type=kind.mjSENS_FRAMEZAXIS, objtype=thing.mjOBJ_XBODY, objname=root.name)
     for i, actuator in enumerate(spec.actuators):
         actuator.name = actuator.name or f"actuator_{i}"

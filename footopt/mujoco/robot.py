@@ -133,8 +133,8 @@ class Robot(Simulator):
 
     @property
     def weight(self) -> float:
-        """Of all its bodies, N."""
-        return float(self.model.compiled.body_mass.sum()) * self.g
+        """Of its bodies, N."""
+        return float(self.model.mass * self.g)
 
     @property
     def title(self) -> str:
@@ -177,17 +177,17 @@ class Robot(Simulator):
     @property
     def about(self) -> str:
         """What walks, in a line."""
-        m, told = self.model.compiled, type(self.controller).__name__
+        told = type(self.controller).__name__
         if self.gait:
             told = f"servos that track gait {self.gait.name}, stride {self.stride:.4g} s"
-        return f"Robot: {m.body_mass.sum():.3g} kg, feet {', '.join(self.feet)}; {told}"
+        return f"Robot: {self.model.mass:.3g} kg, feet {', '.join(self.feet)}; {told}"
 
     def entry(self) -> dict[str, Any]:
         """What it is, for result.json."""
         return {
             "simulator": "mujoco",
             "model": self.model.digest,
-            "mass_kg": float(self.model.compiled.body_mass.sum()),
+            "mass_kg": self.model.mass,
             "feet": list(self.feet),
             "controller": type(self.controller).__name__,
             "duration_s": self.duration,

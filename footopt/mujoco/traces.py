@@ -123,7 +123,7 @@ def poses(robot: Any, dt: float, states: Array) -> tuple[Array, Array]:
 
 def bristles_in_world(h: Array, turned: Array, plates: int) -> NDArray[np.float32]:
     """Bristles (T, feet, plates, 2) in x and z, the mean of all lines of plates, of those in feet's axes."""
-    x, z = (h[:, :, axis].reshape(*h.shape[:2], -1, plates).mean(axis=2) for axis in AXES)
+    x, z = (h[:, :, axis].reshape(*h.shape[:2], h.shape[3] // plates, plates).mean(axis=2) for axis in AXES)
     c, s = np.cos(turned)[..., None], np.sin(turned)[..., None]
     return np.stack([c * x - s * z, s * x + c * z], axis=-1).astype(np.float32)
 

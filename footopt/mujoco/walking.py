@@ -72,7 +72,7 @@ def walk(robot: Any, foot: Foot | None, accuracy: Accuracy, end: float, traced: 
     if foot and robot.density is not None:
         model = model.wearing(foot, robot.density)
     t, height = end / steps * np.arange(steps + 1, dtype=np.float64), robot.model.height_address
-    weight = float(model.compiled.body_mass.sum()) * robot.g
+    weight = model.mass * robot.g
     with model.data(t[1]) as (own, data):
         posed(robot, own, data)
         if foot is None:
@@ -111,7 +111,8 @@ def stepped(robot: Any, model: Any, data: Any, t: Array) -> tuple[Array, Array]:
     for n in range(len(t)):
         if (passed := int(t[n] / period + 1e-6)) >= due:  # shorter steps are no faster control
             robot.controller.function(model, data)
-            due = passed + 1
+            due, wrong = passed + 1, data.ctrl[~np.isfinite(data.ctrl)]  # which MuJoCo would take for 0
+            check(not len(wrong), "robot.controller", robot.controller.name, "one that sets numbers", "nan?")
         mujoco.mj_step(model, data)
         sensed[n] = data.sensordata
         mujoco.mj_getState(model, data, states[n], kind)

@@ -200,6 +200,17 @@ def make_limits(config: Config) -> dict[str, float]:
     return {name: limit for name, limit in vars(config.constraint).items() if limit is not None}
 
 
+def make_start(heights: list[int] | None, space: Waypoints) -> list[list[int]] | None:
+    """The soles that a search begins with, or None; a `SettingError` names study.start."""
+    if heights is None:
+        return None
+    try:
+        rows = [heights[i : i + space.n] for i in range(0, len(heights), space.n)]
+        return [space.check(row)[0].tolist() for row in rows]
+    except SettingError as error:
+        raise SettingError("study.start", heights, error.allowed, error.hint) from None
+
+
 def make_choice(config: Config) -> Choice:
     """Which design of a front the settings choose."""
     choose = config.choose

@@ -97,16 +97,13 @@ def run(study: Study) -> None:
             found.append(audit(effect, scene, feet, accuracy, limit, space))
             step(news=found[-1].name)
     walked = [asdict(numerics(accuracy, switched(effect, scene)[1], space)) for effect in effects]
+    entry: dict[str, Any] = {"seed": study.config.solver.seed, "feet": feet.tolist()}
+    entry["audit"] = [a.entry | {"accuracy": own} for a, own in zip(found, walked, strict=True)]
+    entry["called_for"] = sorted(name_of(a.effect) for a in found if a.matters)
     study.conclude(
         "The changes by each effect",
         [table(found)],
-        {
-            "seed": study.config.solver.seed,
-            "feet": feet.tolist(),
-            **scene_entry(scene, numerics(accuracy, scene, space), ()),
-            "audit": [a.entry | {"accuracy": own} for a, own in zip(found, walked, strict=True)],
-            "called_for": sorted(name_of(a.effect) for a in found if a.matters),
-        },
+        entry | scene_entry(scene, numerics(accuracy, scene, space), ()),
         summary=[
             "+ or -: the median's sign; tau: how alike both rank the feet, 1 if the same; time: of a walk",
             *(a.verdict for a in found),

@@ -24,14 +24,14 @@ from footopt.design import (
 from footopt.design.certificate import Certificate, certified
 from footopt.design.fronts import excess
 from footopt.design.to_print import REACH, better_zetas, compare
-from footopt.errors import SettingError, check
+from footopt.errors import check
 from footopt.files import io as files
 from footopt.files.feet import write_all
-from footopt.foot import Foot, Waypoints
+from footopt.foot import Foot
 from footopt.report import terminal
 from footopt.report.numbers import change, number, percent, quantity, title
 from footopt.report.output import foot_entry, report_generations
-from footopt.studies.build import make_problem
+from footopt.studies.build import make_problem, make_start
 from footopt.studies.effects import choose_effects
 from footopt.studies.runs import Study
 from footopt.studies.simulate import check_files, judged, write_film, write_walk
@@ -206,10 +206,13 @@ def _warnings(problem: FootProblem, values: dict[str, float], base: dict[str, fl
         compared = f"{number(values[by])} against {number(base[by])}"
         said.append(f"The flat sole is as good or better in {title(by)}: {compared}. Search longer.")
     said += [f"{title(n)} has no number for the best foot." for n in problem.names if math.isnan(values[n])]
-    for name, limit in problem.limits.items():
+    limits = [(f"constraint.{name}", name, limit) for name, limit in problem.limits.items()]
+    if problem.choice.by == "limits":
+        limits += [(f"choose.limits.{name}", name, limit) for name, limit in problem.choice.limits.items()]
+    for setting, name, limit in limits:
         if excess(name, limit, np.array([values[name]]))[0] > 0.0:
             value = quantity(values[name], MEASURES[name].unit)
-            said.append(f"The best foot breaks constraint.{name}={limit:g} at the finer accuracy: {value}.")
+            said.append(f"The best foot breaks {setting}={limit:g} at the finer accuracy: {value}.")
     return said
 
 
@@ -230,7 +233,7 @@ def _search(
         with study.progress(solver.generations(space), "generation") as step:
             first = problem.names[0]
             tell = report_generations(step, first, base=base if first == "efficiency" else None)
-            start = _start(study.options.start, space)
+            start = make_start(study.options.start, space)
             result = search(problem, solver, tell, store, executor, start=start)
         finer, finalists = study.finer_accuracy, study.options.finalists
         if result.interrupted:
@@ -240,17 +243,6 @@ def _search(
             return result, confirm(result, finer, finalists), None
         most = math.inf if asked else result.designs
         return certified(result, finer, finalists, Evaluator(problem, store, executor), most)
-
-
-def _start(heights: list[int] | None, space: Waypoints) -> list[list[int]] | None:
-    """The soles that a search begins with, or None; a `SettingError` names study.start."""
-    if heights is None:
-        return None
-    try:
-        rows = [heights[i : i + space.n] for i in range(0, len(heights), space.n)]
-        return [space.check(row)[0].tolist() for row in rows]
-    except SettingError as error:
-        raise SettingError("study.start", heights, error.allowed, error.hint) from None
 
 
 def _search_entry(result: SearchResult, confirmed: Confirmation, finalists: int) -> dict[str, Any]:

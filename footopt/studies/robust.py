@@ -8,6 +8,7 @@ the relative loss against the best specialist known in a scenario.
 from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import asdict, replace
+from typing import Any
 
 import numpy as np
 from rich.table import Table as RichTable
@@ -52,7 +53,7 @@ def run(study: Study) -> None:
             result, confirmed = searched(study, alone, solver, s.name, finer, executor, step)
             k.append(result.k[confirmed.designs[0]])
         problem.references, _ = compare(problem, problem.walk_each(np.array(k))[0])
-        result, confirmed = searched(study, problem, solver, ROBUST, finer, executor, step, len(scenarios))
+        result, confirmed = searched(study, problem, solver, ROBUST, finer, executor, step, len(scenarios), k)
     study.say(terminal.describe_confirmation(confirmed))
     k.append(result.k[confirmed.designs[0]])
 
@@ -74,30 +75,27 @@ def run(study: Study) -> None:
         write_foot(foot, study.folder / "contour.dxf")
     shown = soles if len(soles) <= 1 + SHOWN else {ROBUST: soles[ROBUST]}
     study.save("contours", figures.contours(shown), "The specialists' soles and the robust one.")
-    objectives = judge.walk(k[-1][None])[0][0]
+    measured = zip(judge.record, judge.walk(k[-1][None])[0][0].tolist(), strict=True)
+    lost = {"regret (mean)": float(regrets[-1].mean()), "regret (worst)": float(regrets[-1].max())}
+    entry: dict[str, Any] = {  # no value is that of a walk
+        "design": foot_entry(foot),
+        "objectives": lost | {f"{name} ({options.measure})": value for name, value in measured},
+        "measure": {"name": options.measure, "tail": options.tail, "of": judge.ranking_objective},
+        "feet": {name: sole.k for name, sole in soles.items()},
+        "hollow_mm": {name: 1e3 * sole.hollow for name, sole in soles.items()},
+    }
+    own = [asdict(numerics(finer, s.scene, s.space(judge.space))) for s in scenarios]
+    entry["scenarios"] = [plain(s) | {"accuracy": one} for s, one in zip(scenarios, own, strict=True)]
+    each = zip(names, regrets.tolist(), strict=True)
+    entry["regrets"] = {name: dict(zip(names, row, strict=False)) for name, row in each}
+    entry |= scene_entry(scene, numerics(finer, scene, judge.space), judge.record)
+    entry |= {"units": dict.fromkeys(lost, ""), "maximise": dict.fromkeys(lost, False)}
+    searching = asdict(numerics(problem.accuracy, scene, judge.space))
+    entry |= {"search_accuracy": searching, "solver": asdict(solver), "seed": solver.seed}
     study.conclude(
         "One foot for everything",
         [table(judge.ranking_objective, names, regrets)],
-        {
-            "design": foot_entry(foot),
-            "objectives": dict(zip(judge.record, objectives.tolist(), strict=True)),
-            "measure": {"name": options.measure, "tail": options.tail, "of": judge.ranking_objective},
-            "feet": {name: sole.k for name, sole in soles.items()},
-            "hollow_mm": {name: 1e3 * sole.hollow for name, sole in soles.items()},
-            "scenarios": [
-                {**plain(s), "accuracy": asdict(numerics(finer, s.scene, s.space(judge.space)))}
-                for s in scenarios
-            ],
-            "regrets": {
-                name: dict(zip(names, row, strict=False))
-                for name, row in zip(names, regrets.tolist(), strict=True)
-            },
-            **scene_entry(scene, numerics(finer, scene, judge.space), judge.record),
-            "search_accuracy": asdict(numerics(problem.accuracy, scene, judge.space)),
-            "solver": asdict(solver),
-            "seed": solver.seed,
-            "evaluations": result.evaluations,
-        },
+        entry | {"evaluations": result.evaluations},
         summary=[f"Robust foot: {terminal.describe_foot(foot)}", *_remarks(names, regrets)],
     )
 
@@ -134,7 +132,7 @@ def make_spread(config: Config) -> Spread:
 
 def searched(
     study: Study, problem: FootProblem, solver: Solver, name: str, finer: AnyAccuracy,
-    executor: Executor | None, step: Step, units: int = 1,
+    executor: Executor | None, step: Step, units: int = 1, start: Any = None,
 ) -> tuple[SearchResult, Confirmation]:  # fmt: skip
     """A search whose evaluations are kept, and its finalists; an interrupted one ends the study.
 
@@ -143,7 +141,7 @@ def searched(
     tell = report_generations(step, problem.ranking_objective, units, f"{name}: ")
     try:
         with study.store(problem) as store:
-            result = search(problem, solver, tell, store, executor)
+            result = search(problem, solver, tell, store, executor, start=start)
     except FootoptError as error:
         raise FootoptError(f"{name}: {error}") from None
     result.whole(f"searching a foot for {name}")

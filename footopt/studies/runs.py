@@ -313,8 +313,9 @@ class Run:
         solver = Solver(**vars(config.solver) | budget)
         path = self.folder / (config.study.store or "designs.sqlite")
         build.check_trusted(self.folder, self.settings, () if self.trusted else ["study.store"])
+        start = build.make_start(config.study.start, problem.space)
         with Store(path, problem, config.study.reuse) as store:
-            return search(problem, solver, store=store)
+            return search(problem, solver, store=store, start=start)
 
 
 def load(folder: str | Path, trust: bool = False) -> Run:

@@ -121,24 +121,15 @@ def run(study: Study) -> None:
         table.add_row(row[0].title, *(Text(v.told, "" if v.stable else "bold red") for v in row))
     table.add_section()
     table.add_row("stable cases", *(f"{count} of {len(cases)}" for count in stable.values()))
+    verdicts = []
+    for v in (v for row in found for v in row):
+        measures = {m.name: {"value": m.value, "limit": m.limit} for m in v.measures}
+        verdicts.append({"case": v.case.name, "method": v.method, "stable": v.stable, "measures": measures})
+    entry = scene_entry(study.scene, numerics(study.accuracy, study.scene, study.foot), ())
     study.conclude(
         "Stability of the steppers",
         [table],
-        {
-            "design": foot_entry(study.foot),
-            **scene_entry(study.scene, numerics(study.accuracy, study.scene, study.foot), ()),
-            "stable": stable,
-            "verdicts": [
-                {
-                    "case": v.case.name,
-                    "method": v.method,
-                    "stable": v.stable,
-                    "measures": {m.name: {"value": m.value, "limit": m.limit} for m in v.measures},
-                }
-                for row in found
-                for v in row
-            ],
-        },
+        {"design": foot_entry(study.foot), **entry, "stable": stable, "verdicts": verdicts},
         summary=[
             f"Stable with every method, and not shown: {len(found) - len(failing)} of {len(found)} cases.",
             "Where a method is not stable: the measure that is furthest beyond its limit.",

@@ -68,20 +68,17 @@ def run(study: Study) -> None:
         found.append(_compared(study, sand, sides, names[0], solver))
         study.say(describe(found[-1], names[0]))
     study.save("transfer", draw(found, names[0]), CAPTION)
+    entry: dict[str, Any] = {"seed": solver.seed, "solver": asdict(solver), "objective_names": names}
+    entry["search_accuracy"] = asdict(numerics(study.accuracy, robot, study.space))
+    feet = ({name: foot.k for name, foot in t.feet.items()} for t in found)
+    entry["transfer"] = [
+        t._asdict() | {"sand": t.sand.name, "zeta": t.sand.zeta, "feet": k}
+        for t, k in zip(found, feet, strict=True)
+    ]
     study.conclude(
         "Which model should a foot be designed on?",
         [table(found, names[0])],
-        {
-            "seed": solver.seed,
-            "solver": asdict(solver),
-            "objective_names": names,
-            "search_accuracy": asdict(numerics(study.accuracy, robot, study.space)),
-            "transfer": [
-                t._asdict()
-                | {"sand": t.sand.name, "zeta": t.sand.zeta, "feet": {n: f.k for n, f in t.feet.items()}}
-                for t in found
-            ],
-        },
+        entry,
         summary=[describe(t, names[0]) for t in found],
     )
 

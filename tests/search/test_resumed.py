@@ -7,9 +7,10 @@ from contextlib import suppress
 
 import numpy as np
 import pytest
-from running import tries
+from running import QUICK, footopt, tries
 from searching import assert_same, problem
 
+import footopt as fo
 from footopt.design import Store, search
 
 TWO, THREE = ["distance", "work"], ["distance", "work", "peak_power"]
@@ -61,3 +62,14 @@ def test_a_search_that_dies_anywhere_ends_as_one_that_did_not(name, seed, tmp_pa
     r = search(p, name, store=path, **budget)
     assert r.evaluations >= walks or "nothing more" in r.stopped
     assert_same(r, whole)
+
+
+def test_a_run_s_search_again_begins_where_it_did_and_a_choice_beyond_its_limits_is_told(tmp_path):
+    words = ["study.start=[1,2,3,4,5,6,7,8,8,8,8]", "objective=[distance,work]", "report=light", "sand=soft"]
+    choice = ["choose=limits", "choose.limits={work: 1}", "study.confirm=null", "hydra.run.dir=run"]
+    done = footopt(*QUICK, *words, *choice, cwd=tmp_path)
+    assert "choose.limits.work=1" in done.stdout + done.stderr
+    run = fo.load(tmp_path / "run")
+    again = run.search()
+    assert again.reused == again.evaluations
+    assert run.foot.k == tuple(again.k[again.best].tolist())

@@ -5,6 +5,7 @@ import pytest
 
 import footopt as fo
 from footopt.errors import SettingError
+from footopt.mujoco.model import BIPED
 from footopt.walk import FIVE
 from footopt.walk.objectives import offered
 
@@ -83,3 +84,30 @@ class TestFunctions:
     def test_walks_have_no_traces(self):
         with pytest.raises(SettingError, match="simulator"):
             fo.simulate(fo.Foot.flat(), fo.Simulator.from_function(ramp, FIVE))
+
+
+class TestRobots:
+    @pytest.mark.slow
+    def test_what_hangs_not_together_with_the_feet_is_no_part_of_a_robot(self):
+        """A floor in a body, a rock, a target that is shown, and a ball that rolls away."""
+        more = (
+            '<body><geom type="plane" size="9 9 1"/></body><geom type="box" size="1 1 1" pos="2 0 0"/>'
+            '<body mocap="true"><geom size=".3"/></body><body><freejoint/><geom size=".1"/></body>'
+        )
+        text = BIPED.read_text().replace('<geom contype="0" conaffinity="0"/>', "")
+        texts = text, text.replace("<worldbody>", f"<worldbody>{more}")
+        robots = [fo.mujoco.Robot(text, duration=1.4) for text in texts]
+        alone, among = (fo.evaluate(SOLES, robot, COARSE, FIVE, SPACE).values for robot in robots)
+        np.testing.assert_allclose(among, alone, rtol=1e-6)
+        assert robots[1].weight == pytest.approx(robots[0].weight)
+
+    @pytest.mark.parametrize("servo", ['gear="2"', 'biasprm="0 0 -120"', 'biasprm="0 -4200 -120"'])
+    def test_a_gait_is_tracked_by_position_servos_without_a_gear(self, servo):
+        text = BIPED.read_text().replace('<general name="left_hip"', f'<general {servo} name="left_hip"')
+        with pytest.raises(SettingError, match="left_hip"):
+            fo.mujoco.Robot(text)
+
+    def test_a_controller_that_sets_no_numbers_is_refused(self):
+        robot = fo.mujoco.Robot(controller=lambda model, data: data.ctrl.fill(np.nan), duration=1.0)
+        with pytest.raises(SettingError, match=r"robot\.controller"):
+            fo.FootProblem(robot)
