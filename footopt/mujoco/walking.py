@@ -133,8 +133,9 @@ def posed(robot: Any, model: Any, data: Any) -> Any:
 
 
 def check_axes(robot: Any) -> None:
-    """Raise unless the feet's axes are forward and up at the start."""
-    model = robot.model.compiled
+    """Raise unless gravity is down, and the feet's axes are forward and up at the start."""
+    model, (gx, gy, gz) = robot.model.compiled, robot.model.compiled.opt.gravity.tolist()
+    check(-gz > abs(gx) + abs(gy), "robot.model", [gx, gy, gz], "of gravity along -z")
     data = posed(robot, model, needed("mujoco", "fo.mujoco.Robot", "mujoco").MjData(model))
     for name in robot.feet:
         x, _, z = data.body(name).xmat.reshape(3, 3).T

@@ -111,3 +111,8 @@ class TestRobots:
         robot = fo.mujoco.Robot(controller=lambda model, data: data.ctrl.fill(np.nan), duration=1.0)
         with pytest.raises(SettingError, match=r"robot\.controller"):
             fo.FootProblem(robot)
+
+    def test_gravity_that_is_not_down_is_refused(self):
+        text = BIPED.read_text().replace("<option ", '<option gravity="0 -9.81 0" ')
+        with pytest.raises(SettingError, match="gravity along -z"):
+            fo.FootProblem(fo.mujoco.Robot(text))
