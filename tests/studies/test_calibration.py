@@ -29,8 +29,7 @@ def plates_in_sand(path, rng, zeta=0.8, exponent=1.0, repeats=5, scatter=0.12, n
     return path
 
 
-def zeta_of(depth, exponent, zeta=1.0):
-    """zeta by least squares of forces that grow with a power of depth, m."""
+def zeta_of(depth, exponent, zeta=1.0):  # by least squares of forces that grow with a power of depth, m
     return zeta * np.sum(depth**2 * (depth / 0.02) ** (exponent - 1)) / np.sum(depth**2)
 
 
