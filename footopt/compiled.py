@@ -98,7 +98,7 @@ class _Cache(FunctionCache):
                 config.CACHE_DIR = before
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """Load what is there, without numba's registries: only compiling needs them, which loads them."""
+        """Load what is there, without numba's registries, which are only needed (and loaded) to compile."""
         rtsys.initialize(target_context)
         with self._guard_against_spurious_io_errors():
             return self._load_overload(sig, target_context)

@@ -193,7 +193,7 @@ def _leg(
     share = read["percent"] / (100.0 if read["percent"].max() > 2.0 else 1.0)
     if not share[0] + 1.0 - 2.0 * np.diff(share).max() <= share[-1] <= share[0] + 1.0 + 1e-6:
         low, high = read["percent"][[0, -1]]
-        raise Unusable(f"is no whole stride: its phase, in percent or to 1, is {low:g} to {high:g}.")
+        raise Unusable(f"is not one whole stride: its phase, in percent or to 1, is {low:g} to {high:g}.")
     t = PHASE_PERIOD * (share - share[0])
     if t[-1] < (1.0 - 1e-6) * PHASE_PERIOD:  # the first row comes again at 100 %
         t, angles = np.append(t, PHASE_PERIOD), {joint: np.append(v, v[0]) for joint, v in angles.items()}

@@ -60,7 +60,7 @@ class Model:
             said = " ".join(str(error).split())
             raise SettingError("robot.model", what, "a model that MuJoCo compiles", said) from None
         others = model.body_rootid[model.geom_bodyid] != model.body_rootid[model.body(feet[0]).id]
-        model.geom_contype[others] = model.geom_conaffinity[others] = 0  # floors, and what lies about
+        model.geom_contype[others] = model.geom_conaffinity[others] = 0  # floors, rocks, targets
         content = np.empty(mujoco.mj_sizeModel(model), np.uint8)
         mujoco.mj_saveModel(model, None, content)
         made = cls(hashlib.sha256(content.tobytes()).hexdigest(), model, tuple(feet), mujoco.__version__)
@@ -99,7 +99,7 @@ class Model:
 
     @property
     def mass(self) -> float:
-        """Of the feet and all that hangs together with them, kg."""
+        """Of the tree of bodies that the feet belong to, kg."""
         m = self.compiled
         return float(m.body_subtreemass[m.body_rootid[m.body(self.feet[0]).id]])
 

@@ -88,7 +88,7 @@ class TestFunctions:
 
 class TestRobots:
     @pytest.mark.slow
-    def test_what_hangs_not_together_with_the_feet_is_no_part_of_a_robot(self):
+    def test_bodies_outside_the_tree_of_the_feet_change_nothing(self):
         """A floor in a body, a rock, a target that is shown, and a ball that rolls away."""
         more = (
             '<body><geom type="plane" size="9 9 1"/></body><geom type="box" size="1 1 1" pos="2 0 0"/>'
