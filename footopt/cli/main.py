@@ -30,8 +30,8 @@ from footopt.files.identity import Occupied, finished, result_of
 from footopt.files.io import write_text
 from footopt.studies import searches, text, within
 from footopt.studies.build import GROUPS, absolute, check_trusted, load_plugins
-from footopt.studies.runs import BUDGETS, Run, check_may_change, check_resumable, load, run_study
-from footopt.studies.settings import CODE, WRITTEN, structured
+from footopt.studies.runs import BUDGETS, Run, check_resumable, load, run_study
+from footopt.studies.settings import CHANGEABLE, CODE, WRITTEN, structured
 from footopt.walk.objectives import lookup
 
 TRUST, FORCE = "--trust", "--force"
@@ -228,8 +228,10 @@ def resume(given: Sequence[str]) -> int:
 def _changes(given: Sequence[str]) -> dict[str, Any]:
     """The settings that a run may change, and their values."""
     overrides = hydra_overrides([one for one in given if not one.startswith(("resume=", TRUST, FORCE))])
+    allowed = f"a setting that does not make another run ({', '.join(CHANGEABLE)})"
     for one in overrides:
-        check_may_change(one)
+        good = "=" in one and within(one.partition("=")[0], CHANGEABLE)
+        check(good, "resume", one, allowed, "For anything else start a new run, without resume.")
     changes = OverridesParser.create().parse_overrides(overrides)
     for change in changes:
         check(not change.is_sweep_override(), "resume", change.input_line, "one value")

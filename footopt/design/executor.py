@@ -98,12 +98,9 @@ def _joined(parts: Any) -> tuple[Array, Words]:
     return np.concatenate(values), np.concatenate(reasons)
 
 
-def walk_chunk(sent: bytes, k: Ints) -> tuple[Array, Words] | str:
-    """`walk` in a worker, with the problem that was sent to it; an error of footopt's as its message."""
-    try:
-        return walk(_received(sent), k)
-    except FootoptError as error:
-        return str(error)
+def walk_chunk(sent: bytes, k: Ints) -> tuple[Array, Words]:
+    """`walk` in a worker, with the problem that was sent to it."""
+    return walk(_received(sent), k)
 
 
 @lru_cache(maxsize=8)
@@ -138,17 +135,13 @@ class Workers:
         chunks = [k[i : i + size] for i in range(0, len(k), size)]
         sent = [self._sent] * len(chunks)
         try:
-            found = list(self.executor.map(walk_chunk, sent, chunks))
+            return _joined(self.executor.map(walk_chunk, sent, chunks))
         except (FootoptError, MemoryError):
             raise
         except Exception as error:
             died = isinstance(error, BrokenExecutor) or type(error).__name__ == "KilledWorker"  # dask's
             why = f"The workers, or their scheduler, cannot go on ({type(error).__name__}: {error})."
             raise EngineError(DIED if died else why) from None
-        for part in found:
-            if isinstance(part, str):
-                raise FootoptError(part)
-        return _joined(found)
 
     @cached_property
     def _sent(self) -> bytes:

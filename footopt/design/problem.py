@@ -10,12 +10,11 @@ from pymoo.core.variable import Integer
 
 from footopt.arrays import Array, Bools, Ints, Words
 from footopt.design.fronts import Choice, excess
-from footopt.errors import check, check_kind
+from footopt.errors import check
 from footopt.foot import Waypoints
 from footopt.walk.accuracy import AnyAccuracy, resolve
 from footopt.walk.objectives import FIVE, MEASURES, Objective, lookup, offered
-from footopt.walk.scene import Scene
-from footopt.walk.simulate import evaluate
+from footopt.walk.simulate import as_simulator, evaluate
 from footopt.walk.simulator import Simulator
 
 #: Objectives by the name of a set; any sequence of names from `MEASURES` will do as well.
@@ -27,21 +26,11 @@ RECORD = (*FIVE, "efficiency")
 
 
 class Evaluated(NamedTuple):
-    """Evaluated designs, a row each.
+    """Evaluated designs, a row each."""
 
-    Parameters
-    ----------
-    values : (designs, record)
-        Recorded values with their natural signs; NaN for a failed walk.
-    reasons : (designs,)
-        Why a walk failed, or "".
-    violation : (designs,), m
-        How far the sole leaves its box.
-    """
-
-    values: Array
-    reasons: Words
-    violation: Array
+    values: Array  # (designs, record), with their natural signs; NaN for a failed walk
+    reasons: Words  # (designs,), why a walk failed, or ""
+    violation: Array  # (designs,), m, how far the sole leaves its box
 
 
 class FootProblem(Problem):
@@ -87,8 +76,7 @@ class FootProblem(Problem):
         limits: Mapping[str, float] | None = None,
         choose: Choice | str = "knee",
     ) -> None:
-        self.scene = Scene() if scene is None else scene
-        check_kind(self.scene, Simulator, "scene", "Try fo.Scene(sand=...)")
+        self.scene = as_simulator(scene)
         self.space = space or Waypoints()
         self.accuracy: AnyAccuracy = resolve(accuracy)
         self.threads = threads
@@ -227,5 +215,4 @@ class Known(dict[bytes, int]):
 def _keys(k: Ints) -> list[bytes]:
     """Heights as bytes, a row each."""
     rows = np.ascontiguousarray(np.atleast_2d(k), np.int32)
-    found: list[bytes] = rows.view(f"V{4 * rows.shape[1]}").ravel().tolist()
-    return found
+    return rows.view(f"V{4 * rows.shape[1]}").ravel().tolist()

@@ -22,33 +22,16 @@ SHOWN = 10_000  # designs of a front that are walked finely, drawn, and on the p
 
 @dataclass(frozen=True)
 class Generation:
-    """One generation as the search's history keeps it; values are NaN before a design is feasible.
+    """One generation as the search's history keeps it; values are NaN before a design is feasible."""
 
-    Parameters
-    ----------
-    generation : int
-        From 1.
-    evaluations : int
-        Designs proposed so far.
-    best : float
-        Best value of the single objective so far; NaN when there are several.
-    median : float
-        Of that value over the generation's feasible designs.
-    front : int
-        Designs on the front of all evaluated so far; 1 for a single objective.
-    seconds : float, s
-        Since the search began.
-    hypervolume : float
-        Of the front when there are several objectives: 1 is the box of the values of the first generation,
-        from its worst corner, and a front that goes beyond it has more.
-    """
-
-    generation: int
-    evaluations: int
-    best: float
-    median: float
-    front: int
-    seconds: float
+    generation: int  # from 1
+    evaluations: int  # designs proposed so far
+    best: float  # value of the single objective so far; NaN when there are several
+    median: float  # of that value over the generation's feasible designs
+    front: int  # designs on the front of all evaluated so far; 1 for a single objective
+    seconds: float  # s, since the search began
+    #: of the front when there are several objectives: 1 is the box of the values of the first generation,
+    #: from its worst corner, and a front that goes beyond it has more
     hypervolume: float = math.nan
 
 
@@ -205,30 +188,14 @@ class SearchResult:
 
 @dataclass(frozen=True, eq=False)
 class Confirmation:
-    """The best designs of a search, walked again more finely.
+    """The best designs of a search, walked again more finely."""
 
-    Parameters
-    ----------
-    designs : (finalists,)
-        Indices into the search's designs, best first by the finer values.
-    values : (finalists, record)
-        Recorded values with their natural signs.
-    accuracy : Accuracy
-        Of the finer walks.
-    agrees : bool
-        Whether the search's own best is still the best.
-    largest_change : float
-        Relative, of any recorded value of any finalist; NaN if none can be walked.
-    good : (finalists,)
-        Whether it still walks, keeps the limits, and is not dominated by another finalist.
-    """
-
-    designs: Ints
-    values: Array
-    accuracy: AnyAccuracy
-    agrees: bool
-    largest_change: float
-    good: Bools
+    designs: Ints  # (finalists,), indices into the search's designs, best first by the finer values
+    values: Array  # (finalists, record), with their natural signs
+    accuracy: AnyAccuracy  # of the finer walks
+    agrees: bool  # whether the search's own best is still the best
+    largest_change: float  # relative, of any recorded value of any finalist; NaN if none can be walked
+    good: Bools  # (finalists,), whether it still walks, keeps the limits, and no other finalist dominates it
 
 
 def confirm(result: SearchResult, accuracy: AnyAccuracy | str, finalists: int = 20) -> Confirmation:

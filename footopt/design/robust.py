@@ -196,5 +196,4 @@ def check_measure(measure: str, tail: float) -> None:
 
 def regret(values: Array, references: Array, name: str) -> Array:
     """The relative loss against reference values of an objective: 0 is as good, 0.1 a tenth worse."""
-    loss: Array = MEASURES[name].sign * (values - references) / np.abs(references)
-    return loss
+    return MEASURES[name].sign * (values - references) / np.abs(references)

@@ -26,7 +26,7 @@ import numpy as np
 from footopt.arrays import Array, Ints, Words
 from footopt.compiled import sources, target
 from footopt.design.problem import FootProblem
-from footopt.errors import FileError, named
+from footopt.errors import FileError, named, shortened
 from footopt.walk.objectives import MEASURES
 from footopt.walk.own_code import is_own, own_code, source_of
 from footopt.walk.steppers import STEPPERS
@@ -311,15 +311,11 @@ def differences(there: Any, here: Any) -> list[str]:
     """Names that differ between two keys, each with both values."""
     one, other = flat(there), flat(here)
     names = [name for name in sorted(one | other) if one.get(name) != other.get(name)]
-    return [f"{n} ({_short(one.get(n))} there, {_short(other.get(n))} here)" for n in names]
+    told = [[shortened(str(of.get(n)), 20) for of in (one, other)] for n in names]
+    return [f"{n} ({a} there, {b} here)" for n, (a, b) in zip(names, told, strict=True)]
 
 
 def listed(found: Sequence[str]) -> str:
     """The first few of many differences."""
     more = f" and {len(found) - SHOWN} more" if len(found) > SHOWN else ""
     return f"{', '.join(found[:SHOWN])}{more}"
-
-
-def _short(value: object) -> str:
-    text = str(value)
-    return text if len(text) <= 20 else text[:8] + "..."

@@ -39,25 +39,14 @@ REACH, STEPS = 32.0, 20  # factor by which zeta is moved either way until the or
 
 @dataclass(frozen=True, eq=False)
 class UnderLaws:
-    """Feet under every law.
+    """Feet under every law."""
 
-    Parameters
-    ----------
-    laws : tuple of Scenario
-        The scene's own first.
-    k : (feet, n)
-        Heights; the best foot by the scene's own law first, the flat sole last.
-    losses : (laws, feet)
-        Of the single objective, relative to the best of these feet under the law; infinite where a foot fails
-        or breaks a limit, and NaN under a law in which all do, or where there are several objectives.
-    changes : list of dict
-        For each law, the relative changes of recorded values from the flat sole, (feet,), by name; NaN where
-        one of the two fails.
-    """
-
-    laws: tuple[Scenario, ...]
-    k: Ints
+    laws: tuple[Scenario, ...]  # the scene's own first
+    k: Ints  # (feet, n), heights; the best foot by the scene's own law first, the flat sole last
+    #: (laws, feet), of the single objective, relative to the best of these feet under the law; infinite where
+    #: a foot fails or breaks a limit, NaN under a law in which all do, and for several objectives
     losses: Array
+    #: for each law, relative changes of values from the flat sole, (feet,), by name; NaN where one fails
     changes: list[dict[str, Array]]
 
     @property

@@ -15,12 +15,12 @@ from footopt.errors import Unusable
 from footopt.files.feet import SAME_POINT
 from footopt.files.io import numbers, parse_table, read_bytes, read_text
 
-UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "pt": 0.0254 / 72, "px": 0.0254 / 96}  # m
+UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "ft": 0.3048, "pt": 0.0254 / 72, "px": 0.0254 / 96}
 CHORD_TOLERANCE = 2e-5  # largest distance of a flattened curve from itself, m
 JOIN_DISTANCE = 1e-5  # ends of lines nearer than this are one point, m
 WITHOUT_HEADER = re.compile(r"(?:\s*#.*\n)*\s*[-+.]?\d[\d.,eE+-]*([;,\t ])")  # and the mark between cells
 COLUMN = re.compile(r"([xzy])(?:[_ ]*[(\[]?([a-z]+)[)\]]?)?", re.IGNORECASE)  # and its unit
-INSUNITS = {1: "in", 4: "mm", 5: "cm", 6: "m"}  # of $INSUNITS
+INSUNITS = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m"}  # of $INSUNITS
 CURVES = ("ARC", "CIRCLE", "ELLIPSE", "SPLINE")
 KINDS = ("LINE", "LWPOLYLINE", "POLYLINE", *CURVES)
 
@@ -154,14 +154,14 @@ def _flattened(piece: Any, turn: Array) -> Array:
 
 
 def _own_unit(root: ElementTree.Element) -> float:
-    """Metres in one unit of a drawing: its width in units of length over its viewBox's."""
-    size = re.fullmatch(r"\s*([\d.eE+-]+?)\s*([a-z]*)\s*", root.get("width", ""))
-    if size is None or size[2] == "px":  # on a screen: programs print 72, 90 or 96 of them to an inch
-        return unit_of(None, None)
-    width = float(size[1]) * unit_of(None, size[2])
-    if "viewBox" not in root.attrib:
-        return UNITS["px"]
-    return width / float(root.attrib["viewBox"].replace(",", " ").split()[2])
+    """Metres in one unit of a drawing: its sides in units of length over its viewBox's; the smaller fits."""
+    box, sides = root.get("viewBox", "").replace(",", " ").split(), []
+    for place, name in ((2, "width"), (3, "height")):
+        size = re.fullmatch(r"\s*([\d.eE+-]+?)\s*([a-z]*)\s*", root.get(name, ""))
+        if size and size[2] != "px":  # on a screen: programs print 72, 90 or 96 of them to an inch
+            length = float(size[1]) * unit_of(None, size[2])
+            sides.append(length / float(box[place]) if box else UNITS["px"])
+    return min(sides) if sides else unit_of(None, None)
 
 
 def read_table(path: Path, units: str | None, scale: float) -> Iterator[Line]:

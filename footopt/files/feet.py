@@ -131,8 +131,7 @@ def body_outline(foot: Foot, block: Sequence[float] | None = None) -> Array:
     hint = f"Its middle is above the ankle, at {MM * middle:g} mm; length and height are in m."
     check(fits, "foot.block", list(block), on_top, hint)
     body = body.union(box(middle - length / 2, level, middle + length / 2, level + height))
-    around: Array = get_coordinates(orient(body).exterior)[:-1]
-    return around
+    return get_coordinates(orient(body).exterior)[:-1]
 
 
 def _write_dxf(path: Path, sole: Array, outline: Array) -> None:

@@ -4,7 +4,7 @@ import platform
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from functools import cache
-from glob import escape, glob
+from glob import glob
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -103,7 +103,8 @@ def finished(result: Mapping[str, Any] | None) -> bool:
 
 def runs(pattern: str | Path) -> list[Path]:
     """Folders of all runs in or below the folders that a pattern names, in order."""
-    roots = [Path(found) for found in glob(str(pattern), recursive=True)]
+    there = Path(pattern).is_dir()  # a folder may have the brackets of a pattern in its name
+    roots = [Path(pattern)] if there else [Path(found) for found in glob(str(pattern), recursive=True)]
     left = (path for root in roots for file in (FILE, ERROR_FILE, "result.json") for path in root.rglob(file))
     return sorted({path.parent for path in left}, key=order)
 
@@ -111,7 +112,7 @@ def runs(pattern: str | Path) -> list[Path]:
 def jobs(folder: Path) -> list[Path]:
     """Folders of the jobs of a multirun, in order, whatever hydra.sweep.subdir calls them."""
     numbered = {path for path in folder.iterdir() if path.name.isdecimal()}
-    return sorted(numbered | {*runs(escape(str(folder)))} - {folder}, key=order)
+    return sorted(numbered | {*runs(folder)} - {folder}, key=order)
 
 
 def order(folder: Path) -> tuple[str, int, str]:

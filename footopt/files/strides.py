@@ -155,14 +155,14 @@ def _from_strike(strides: Strides, always: bool) -> Strides:
 
     One that begins within `MAX_STRIKE_PHASE` of it stays as it is, unless `always`.
     """
-    phase, mean = strides.phase, strides.mean()
-    thigh, knee = (np.radians(mean[joint]) for joint in ANGLES)
+    from scipy.interpolate import CubicSpline
+
+    phase, mean, fine = strides.phase, strides.mean(), np.linspace(0.0, 1.0, 10_001)
+    thigh, knee = (np.radians(CubicSpline(phase, mean[joint])(fine)) for joint in ANGLES)
     ahead = np.sin(thigh) + np.sin(thigh - knee)  # thigh and shank are as long
-    first = int(np.argmax(ahead[:-1]))
-    if not always and not MAX_STRIKE_PHASE < phase[first] < 1.0 - MAX_STRIKE_PHASE:
+    strike = fine[np.argmax(ahead[:-1])]
+    if not always and not MAX_STRIKE_PHASE < strike < 1.0 - MAX_STRIKE_PHASE:
         return strides
-    order = np.concatenate([np.arange(first, len(phase) - 1), np.arange(first + 1)])
-    turned = np.append((phase[order[:-1]] - phase[first]) % 1.0, 1.0)
-    curves = {joint: values[:, order] for joint, values in strides.curves.items()}
-    note = f"the heel strikes at {100 * phase[first]:.0f} % of the stride, where it now begins"
-    return Strides(turned, curves, strides.periods, strides.notes + (() if always else (note,)))
+    curves = {j: CubicSpline(phase, c, axis=1)((phase + strike) % 1.0) for j, c in strides.curves.items()}
+    note = f"the heel strikes at {100 * strike:.0f} % of the stride, where it now begins"
+    return Strides(phase, curves, strides.periods, strides.notes + (() if always else (note,)))

@@ -7,6 +7,7 @@ from typing import Any, Self
 import numpy as np
 
 from footopt.arrays import Array, Ints
+from footopt.effects.hull import filled
 from footopt.errors import check
 from footopt.foot.plates import RULES, Fill, Plates, along_arc
 from footopt.foot.shapes import SHAPES
@@ -158,8 +159,8 @@ class Foot:
     @property
     def hollow(self) -> float:
         """Largest gap, along z_p, between the sole and its lower convex hull, m: 0 for a convex sole."""
-        _, _, low, high = lower_hull(self.contour)
-        return high - low if high - low > 1e-12 else 0.0
+        hull, i = lower_hull(self.contour)
+        return float(self.contour[i, 1] - hull[i, 1])
 
     @property
     def box_violation(self) -> float | None:
@@ -169,42 +170,17 @@ class Foot:
         return float(self.space.box_violation(self.k)[0])
 
 
-def lower_hull(contour: Array) -> tuple[Array, float, float, float]:
-    """Lower convex hull of a sole (m, 2), m, and where the sole is farthest above it.
-
-    Returns the hull from heel to toe, x where the gap is largest, and the heights of hull and sole there.
-    """
-    hull: list[Array] = []
-    for p in contour[np.lexsort((contour[:, 1], contour[:, 0]))]:  # Andrew's monotone chain
-        while len(hull) >= 2:
-            (ax, az), (bx, bz) = hull[-1] - hull[-2], p - hull[-2]
-            if ax * bz - az * bx > 0.0:
-                break
-            hull.pop()
-        hull.append(p)
-    corners = np.array(hull)
-    corners = corners[np.append(True, np.diff(corners[:, 0]) > 0.0)]  # not up a vertical side at the toe
-    (left, _), (right, _) = corners[0], corners[-1]
-    x, z = contour.T
-    floor, margin = np.interp(x, *corners.T), 1e-9 * (right - left)
-    gap = np.where((x > left + margin) & (x < right - margin), z - floor, 0.0)  # sides have no inside
-    i = int(np.argmax(gap))
-    return corners, float(x[i]), float(floor[i]), float(floor[i] + gap[i])
+def lower_hull(contour: Array) -> tuple[Array, int]:
+    """A sole (m, 2), m, filled up to its lower convex hull, and its point that is farthest above that."""
+    hull = filled(contour[None], 0.0)[0]
+    return hull, int(np.argmax(contour[:, 1] - hull[:, 1]))
 
 
 @dataclass(frozen=True, eq=False)
 class Soles(Sequence[Foot]):
-    """Soles through waypoints; each becomes a `Foot` where it is asked for.
+    """Soles through waypoints; each becomes a `Foot` where it is asked for."""
 
-    Parameters
-    ----------
-    k : (designs, n)
-        Their heights.
-    space : Waypoints
-        Their design space.
-    """
-
-    k: Array | Ints
+    k: Array | Ints  # (designs, n), their heights
     space: Waypoints
 
     def __len__(self) -> int:

@@ -130,26 +130,9 @@ def along_arc(polyline: Array, plates: int, parts: int) -> Array:
     count = 1 + share.astype(np.int64)  # one each, and the others by length
     rest = np.argsort(-(share % 1.0), kind="stable")[: plates - count.sum()]
     count[rest] += 1
-    return np.asarray(placed(polyline, arc, ends, parts * count))
-
-
-@cached_njit(nogil=True, error_model="numpy")
-def placed(polyline, arc, ends, counts):
-    """Points of a polyline (m, 2), m, at equal steps of its arc, so many from end to end."""
-    points = np.empty((counts.sum() + 1, 2))
-    k = side = 0
-    for i in range(len(counts)):
-        for j in range(counts[i]):
-            at = ends[i] + (ends[i + 1] - ends[i]) * j / counts[i]
-            while side < len(arc) - 2 and arc[side + 1] <= at:
-                side += 1
-            for axis in range(2):
-                rise = polyline[side + 1, axis] - polyline[side, axis]
-                slope = rise / (arc[side + 1] - arc[side])
-                points[k, axis] = slope * (at - arc[side]) + polyline[side, axis]
-            k += 1
-    points[k] = polyline[-1]
-    return points
+    steps = zip(ends, np.diff(ends), parts * count, strict=False)
+    at = np.concatenate([*(begin + length * np.arange(n) / n for begin, length, n in steps), arc[-1:]])
+    return np.stack([np.interp(at, arc, column) for column in polyline.T], axis=-1)
 
 
 @cached_njit(nogil=True, error_model="numpy")

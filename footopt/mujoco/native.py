@@ -116,5 +116,4 @@ def memory(model: Any, data: Any, size: int) -> Array:
         return np.zeros(size)
     same, first = model.plugin_statenum[row] == size, model.plugin_stateadr[row]
     check(same, "feet", "others", "those for which the specification was attached", "Attach it again.")
-    found: Array = data.plugin_state[first : first + size]
-    return found
+    return data.plugin_state[first : first + size]

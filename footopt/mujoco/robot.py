@@ -139,7 +139,7 @@ class Robot(Simulator):
     @property
     def title(self) -> str:
         """Where it walks."""
-        return f"{self.sand.name} sand, a robot of {self.weight / self.g:.3g} kg"
+        return f"{self.sand.title}, a robot of {self.weight / self.g:.3g} kg"
 
     @property
     def planar(self) -> Scene:

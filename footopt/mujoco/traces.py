@@ -4,7 +4,7 @@ import copy
 import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from importlib import import_module
 from typing import Any, NamedTuple
 
@@ -23,23 +23,13 @@ from footopt.walk.results import Walk
 WIDE, ASIDE = 800, 90.0  # pixels; degrees: along y, with x to the right
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class RobotWalk(Walk):
-    """A walk of a robot: traces at the end of every step.
+    """A walk of a robot: traces at the end of every step."""
 
-    Parameters
-    ----------
-    joints : (T, feet, bodies, 2), m
-        Of each leg, places of its bodies from the root to the foot, in x and z.
-    turned : (T, feet), rad
-        Pitch of the feet, positive toe up.
-    states : (T, n)
-        MuJoCo's.
-    """
-
-    joints: Array = field(default_factory=lambda: np.empty((0, 0, 0, 2)))
-    turned: Array = field(default_factory=lambda: np.empty((0, 0)))
-    states: Array = field(default_factory=lambda: np.empty((0, 0)))
+    joints: Array  # (T, feet, bodies, 2), m: of each leg, its bodies from the root to the foot, in x and z
+    turned: Array  # (T, feet), rad: pitch of the feet, positive toe up
+    states: Array  # (T, n): MuJoCo's
 
     def camera(self) -> Any:
         """Pictures by MuJoCo's renderer, where there is GL."""

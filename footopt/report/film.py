@@ -14,7 +14,7 @@ from matplotlib.animation import FFMpegWriter, PillowWriter
 from footopt.arrays import Array
 from footopt.errors import FileError, FootoptError, SettingError, check
 from footopt.files.io import write_whole
-from footopt.report.numbers import sand_title, title
+from footopt.report.numbers import title
 from footopt.report.stage import ARROW, Stage, draw_ground, draw_key, write
 from footopt.report.style import PAGE, new_figure, sides, styled
 from footopt.walk import Walk
@@ -113,7 +113,7 @@ def scene_of(walk: Walk, t: Array, speed: float, camera: Any = None) -> tuple[An
     heights = [(PAGE - 0.6) * (high - low) / wide, (PAGE - 0.6) * ASPECT]
     figure = new_figure(PAGE, sum(heights) + 0.9)
     whole, near = figure.subplots(2, 1, height_ratios=heights)
-    figure.suptitle(f"{title(walk.foot.name)} on {sand_title(walk.world.sand)}, {speed:g} × real time")
+    figure.suptitle(f"{title(walk.foot.name)} on {walk.world.sand.title}, {speed:g} × real time")
 
     def show(i: int) -> None:
         hip = float(stage.legs[i, 0, 0, 0])

@@ -2,8 +2,6 @@
 
 import math
 
-from footopt.sand import Sand
-
 TINY = 1e-10  # of any quantity of a walk, in SI units: a rounding error
 
 
@@ -44,11 +42,6 @@ def change(name: str, value: float, base: float) -> str:
 def title(name: str) -> str:
     """The name of an objective or of a shape as a reader sees it."""
     return {"efficiency": "J_W", "reversed_l": "reversed L"}.get(name, name.replace("_", " "))
-
-
-def sand_title(sand: Sand) -> str:
-    """The sand by its name, or by its strength if it has none."""
-    return f"sand of zeta {sand.zeta:g}" if sand.name == "custom" else f"{sand.name} sand"
 
 
 def _shortest(text: str) -> str:

@@ -83,8 +83,7 @@ class Output:
 
     def write_csv(self, name: str, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
         """Write a table of numbers; a NaN becomes an empty cell."""
-        cells = [*rows]
-        files.write_csv(self.folder / name, {n: [row[i] for row in cells] for i, n in enumerate(header)})
+        files.write_csv(self.folder / name, dict(zip(header, zip(*rows, strict=True), strict=True)))
 
     def save(self, name: str, figure: Any, caption: str = "") -> None:
         """Save a figure as PNG if wanted, and as PDF to print; with a caption as SVG for the page."""

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from footopt.arrays import Array, Ints
 from footopt.files.feet import closed_contour
 from footopt.report import style
-from footopt.report.numbers import sand_title, title
+from footopt.report.numbers import title
 from footopt.report.style import PALETTE, Axes
 from footopt.walk import Scene, Walk
 
@@ -188,8 +188,7 @@ def draw_arrows(axes: Axes, at: Array, along: Array, scale: float, pivot: str) -
     """Draw arrows at places (n, 2) m along vectors (n, 2), of which `scale` are a metre."""
     looks = {"width": 0.014, "headwidth": 4.0, "headlength": 5.0, "headaxislength": 4.5, "minlength": 0.3}
     units = {"angles": "xy", "scale_units": "xy", "scale": scale, "units": "inches"}
-    arrows: Quiver = axes.quiver(*at.T, *along.T, pivot=pivot, color=INK, zorder=2.7, **looks, **units)
-    return arrows
+    return axes.quiver(*at.T, *along.T, pivot=pivot, color=INK, zorder=2.7, **looks, **units)
 
 
 def draw_key(axes: Axes, arrows: Quiver, largest: float) -> None:
@@ -225,5 +224,5 @@ def draw_walk(axes: Axes, walk: Walk) -> None:
     axes.plot(*walk.com.T, color="black", lw=0.8, label="path of the COM", zorder=3.5)
     step = f", every {walk.t[index[1]] - walk.t[index[0]]:.2g} s" if len(index) > 1 else ""
     axes.set_title(
-        style.walk_label(f"{title(walk.foot.name)} on {sand_title(walk.world.sand)}{step}", walk), loc="left"
+        style.walk_label(f"{title(walk.foot.name)} on {walk.world.sand.title}{step}", walk), loc="left"
     )

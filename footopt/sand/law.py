@@ -178,6 +178,11 @@ class Sand:
         good = is_number(self.zeta) and 1e-6 <= self.zeta <= 1e6
         check(good, "sand.zeta", self.zeta, allowed, "Try sand=regular or sand.zeta=1.")
 
+    @property
+    def title(self) -> str:
+        """By its name, or by its strength if it has none."""
+        return f"sand of zeta {self.zeta:g}" if self.name == Sand.name else f"{self.name} sand"
+
     @classmethod
     def named(cls, name: str) -> Self:
         """A sand of `MEDIA` by its name."""

@@ -126,8 +126,7 @@ def _reading(config: GaitConfig) -> tuple[dict[str, str], str | None, Any]:
 
 def make_space(config: FootConfig) -> Waypoints:
     """The design space of the settings."""
-    values = {field.name: getattr(config, field.name) for field in fields(Waypoints)}
-    return Waypoints(**values | {"ankle": tuple(config.ankle)})
+    return Waypoints(**{field.name: getattr(config, field.name) for field in fields(Waypoints)})
 
 
 def check_searchable(config: FootConfig) -> None:
@@ -143,8 +142,7 @@ def make_foot(config: FootConfig) -> Foot:
     if config.shape == "waypoints":
         space = make_space(config)
         return Foot.flat(space) if config.k is None else Foot.from_waypoints(config.k, space)
-    worn: dict[str, Any] = {name: getattr(config, name) for name in ("width", "closed", "top")}
-    worn["ankle"] = tuple(config.ankle)
+    worn: dict[str, Any] = {name: getattr(config, name) for name in ("width", "ankle", "closed", "top")}
     if config.shape == "outline":
         if config.path is None:
             raise SettingError("foot.path", None, "a drawing, with foot=outline", "Try foot.path=sole.dxf.")

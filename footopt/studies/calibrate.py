@@ -117,13 +117,11 @@ def run(study: Study) -> None:
 
 def table(found: Calibration) -> Table:
     """Estimates for the terminal."""
-    shown = terminal.table(("quantity", "value", "from", "to"), words=("quantity",))
     repeats = "over the repeats" if len(found.repeats) > 1 else "of one repeat"
-    shown.title = f"95 % intervals {repeats}"
-    shown.add_row("zeta", *map(number, found.zeta))
-    for name, ratio in found.parts.items():
-        shown.add_row(f"zeta {name} / zeta of all", *map(number, ratio))
-    return shown
+    parts = {"zeta": found.zeta} | {f"zeta {n} / zeta of all": ratio for n, ratio in found.parts.items()}
+    rows = [(name, *map(number, part)) for name, part in parts.items()]
+    columns, title = ("quantity", "value", "from", "to"), f"95 % intervals {repeats}"
+    return terminal.table(columns, columns[:1], title, rows)
 
 
 def sand_file(name: str, source: str, found: Calibration, sand: Sand) -> str:

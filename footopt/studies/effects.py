@@ -66,7 +66,8 @@ class Audit(NamedTuple):
         if self.matters:
             fails = f", {self.walks_lost} walks fail" if self.walks_lost else ""
             return f"{says}{fails}: above {limit}, keep it"
-        return f"{says}: below {limit}, leave it out, saves {100 * (1 - 1 / self.time_ratio):.0f} %"
+        saves = 100.0 * (1.0 - 1.0 / self.time_ratio)
+        return f"{says}: below {limit}, leave it out" + (f", saves {saves:.0f} %" if saves >= 0.5 else "")
 
     @property
     def entry(self) -> dict[str, Any]:

@@ -179,7 +179,7 @@ def _tell(
             terminal.objective_table("best", values, base, errors),
         )
         terminal.print_validity(study.console, diagnostics)
-    elif outside := [d.short for d in diagnostics if d.outside]:
+    elif outside := [d.name for d in diagnostics if d.outside]:
         count = f"{len(outside)} warning{'s' if len(outside) > 1 else ''} ({', '.join(outside)})"
         where = "report.html" if study.wants_report else "study.details=true"
         study.say(Text(f"{count}: see {where}.", style="yellow"))

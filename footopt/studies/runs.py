@@ -110,13 +110,6 @@ class Study(Output):
         return {"folder": shlex.quote(os.path.relpath(self.folder)), "overrides": shlex.join(overrides)}
 
 
-def check_may_change(override: str) -> None:
-    """Raise a `SettingError` unless an override of the command line sets one of `CHANGEABLE`."""
-    allowed = f"a setting that does not make another run ({', '.join(CHANGEABLE)})"
-    good = "=" in override and within(override.partition("=")[0], CHANGEABLE)
-    check(good, "resume", override, allowed, "For anything else start a new run, without resume.")
-
-
 def check_resumable(folder: Path, before: Mapping[str, Any], after: Mapping[str, Any]) -> None:
     """Raise unless a run may go on: only `CHANGEABLE` settings differ, and a search becomes longer."""
     if not (found := result_of(folder)):

@@ -16,6 +16,7 @@ from omegaconf import OmegaConf
 from footopt.design import Choice, Solver, Spread, make_executor
 from footopt.design.problem import SETS
 from footopt.effects import EFFECTS
+from footopt.files.gaits import COLUMNS
 from footopt.files.soles import read_foot
 from footopt.foot import Foot, Waypoints, shapes
 from footopt.gait import Gait
@@ -130,7 +131,6 @@ class SandConfig:
     table: str | None = setting(None, "File of measured stresses, to which nine coefficients are fitted.")
 
 
-COLUMNS = ("time", "thigh", "hip", "knee", "foot", "ankle", "pelvis")  # of a file of a gait
 NamesConfig = make_dataclass("NamesConfig", [(name, str | None, None) for name in COLUMNS])
 
 
@@ -159,7 +159,7 @@ class FootConfig(SpaceConfig):  # type: ignore[misc]  # made of Waypoints' field
     apex: str = setting(default(shapes.reversed_triangle, "apex"), "The triangle's apex: middle, toe.")
     upright: str = setting(default(shapes.reversed_l, "upright"), "Where the L's upright is: toe, heel.")
     path: str | None = setting(None, "File of a sole: DXF, SVG or CSV.")
-    units: str | None = setting(None, "Of the file: mm, cm, m, in, pt or px; null: as the file says.")
+    units: str | None = setting(None, "Of the file: mm, cm, m, in, ft, pt or px; null: as the file says.")
     scale: float = setting(default(read_foot, "scale"), "Multiplies all lengths of the file.")
     layer: str | None = setting(None, "Of the file; null: SOLE if there is one, else all.")
     toe: str = setting(default(read_foot, "toe"), "Where the toe is in the file: right, or left.")

@@ -12,7 +12,7 @@ from footopt.errors import SettingError, check, check_whole
 from footopt.foot import Foot
 from footopt.report import terminal
 from footopt.report.figures.studies import transfer as draw
-from footopt.report.numbers import number
+from footopt.report.numbers import number, title
 from footopt.sand import MEDIA, Sand
 from footopt.studies.robust import searched
 from footopt.studies.runs import Study
@@ -70,10 +70,9 @@ def run(study: Study) -> None:
     study.save("transfer", draw(found, names[0]), CAPTION)
     entry: dict[str, Any] = {"seed": solver.seed, "solver": asdict(solver), "objective_names": names}
     entry["search_accuracy"] = asdict(numerics(study.accuracy, robot, study.space))
-    feet = ({name: foot.k for name, foot in t.feet.items()} for t in found)
     entry["transfer"] = [
-        t._asdict() | {"sand": t.sand.name, "zeta": t.sand.zeta, "feet": k}
-        for t, k in zip(found, feet, strict=True)
+        t._asdict() | {"sand": t.sand.name, "zeta": t.sand.zeta, "feet": {n: f.k for n, f in t.feet.items()}}
+        for t in found
     ]
     study.conclude(
         "Which model should a foot be designed on?",
@@ -122,10 +121,12 @@ def _compared(study: Study, sand: Sand, sides: tuple[Side, Side], by: str, solve
 
 def describe(found: Comparison, objective: str) -> str:
     """The answer for a sand in words."""
-    loss, what = found.losses[ROBOT][WALKER], objective.replace("_", " ")
+    loss, what = found.losses[ROBOT][WALKER], title(objective)
     answer = "the walker is enough" if loss <= ENOUGH else "design on the robot"
     if np.isnan(loss):
         answer = "design on the robot, on which the walker's foot fails"
+    elif found.losses[ROBOT][FLAT] < 0.0:
+        answer = "no search on it found a foot as good as the flat one; more solver.walks may"
     elif found.losses[ROBOT][ROBOT] > 0.0:
         answer = "the robot's search found no better foot than the walker's; more solver.walks may"
     return (

@@ -17,7 +17,7 @@ from footopt.effects import base as effects
 from footopt.foot import Foot
 from footopt.sand import StressMap
 from footopt.sand.law import power_taken
-from footopt.walk.objectives import measure
+from footopt.walk.objectives import FLOORS, measure
 from footopt.walk.results import Walk
 
 SAMPLES = 600  # instants of the walk that are looked at
@@ -34,17 +34,11 @@ WHY = {
     "sinking while standing": "the smoothed law lets a walker that stands sink; effects=rest holds it",
     "power that the sand gives":
         "such a sand pushes plates along, and a walk's end may hang on the accuracy; see sand.coefficients",
-    "length of the sole over the leg's": "lengths are in m, and foot.L is half of the sole's",
-    "length of the leg over the sole's": "lengths are in m, those of thigh and shank, too",
+    "length of the sole over the body's height": "lengths are in m, and foot.L is half of the sole's",
+    "height of the body over the sole's length": "lengths are in m, those of legs, too",
+    "floor of J_W over what is below it":
+        "J_W counts no less than 1 J, 1 W and 0.001 m/s: does the walk end too soon to be judged by it?",
 }  # fmt: skip
-#: Names that are read without WHY beside them.
-SHORT = {
-    "depth of the sole": "deep sole",
-    "depth of the ankle": "ankle in the sand",
-    "force-weighted plate speed": "fast plates",
-    "inertial share of the force": "inertia of the sand",
-    "share of |W| on trailing faces": "trailing faces",
-}
 RARE = tuple(WHY)[5:]  # told only where they are beyond their limit
 
 
@@ -57,11 +51,6 @@ class Diagnostic:
     unit: str
     limit: float
     why: str
-
-    @property
-    def short(self) -> str:
-        """The name in two or three words."""
-        return SHORT.get(self.name, self.name)
 
     @property
     def outside(self) -> bool:
@@ -111,8 +100,8 @@ def diagnose(walk: Walk) -> list[Diagnostic]:
     counted = [effect for effect in walk.scene.effects if effect.is_inertia]
     pushes = laws(counted or [kind() for kind in EFFECTS.values() if kind.is_inertia]).pushes
     inertia = lasts * effects.push(pushes, vn, depth) * states.area
-    walker = getattr(walk.scene, "walker", None)  # of a robot no leg is known
-    slender = float(np.ptp(walk.foot.contour[:, 0])) / (walker.l1 + walker.l2) if walker else math.nan
+    slender = float(np.ptp(walk.foot.contour[:, 0]) / walk.start[1])
+    counts = max(floor / max(walk.totals.get(name, floor), 1e-300) for name, floor in FLOORS.items())
     total_force, total_power = max(size.sum(), 1e-300), max(power.sum(), 1e-300)
     trailing, sinks = power[vn < 0].sum(), 0.0 if walk.scene.holds else creep_while_standing(walk)
     rows = (  # the value, its unit, and its limit
@@ -125,6 +114,7 @@ def diagnose(walk: Walk) -> list[Diagnostic]:
         (-walk.scene.sand.stress_map.dissipation(), "N/cm^3", 0.0),  # no error bound holds beyond it
         (slender, "", 0.8),  # from 0.1 to 0.5 of animals and robots
         (1.0 / slender, "", 20.0),
+        (counts if walk.feasible else 0.0, "", 1.0),
     )
     found = [Diagnostic(name, *row, why) for (name, why), row in zip(WHY.items(), rows, strict=True)]
     return [d for d in found if d.outside or d.name not in RARE]

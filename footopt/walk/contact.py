@@ -287,5 +287,5 @@ def _limit_force(world, sole, poses, z, h0):
         first, last = submerged(sole, ankle)
         if first < last:
             slow, bristles = SLOW if h0 is None else np.inf, bristles_between(h0, foot, first, last)
-            total += part_force(world, sole, first, last, ankle, slow, None, bristles).z
+            total += part_force(world, sole, first, last, ankle, slow, world.given, bristles).z
     return total

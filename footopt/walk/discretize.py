@@ -117,5 +117,4 @@ def soles(plates: Plates) -> Sole:
 
 def sole_of(plates: Plates) -> Sole:
     """The first foot's plates, as one contact takes them."""
-    first: Sole = sole_at(soles(plates), 0)
-    return first
+    return sole_at(soles(plates), 0)

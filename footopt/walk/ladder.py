@@ -303,8 +303,7 @@ def _descended(
 
 def _changed(values: Array, ups: Sequence[tuple[Array, float]]) -> Array:
     """The largest relative changes of the probes' objectives to finer walks."""
-    changes: Array = np.max([changes_of(values, other) for other, _ in ups], axis=0)
-    return changes
+    return np.max([changes_of(values, other) for other, _ in ups], axis=0)
 
 
 def changes_of(values: Array, others: Array, simulator: Simulator | None = None) -> Array:

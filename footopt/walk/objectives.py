@@ -161,8 +161,7 @@ def efficiency(raw: Raw, scene: Simulator) -> Array:
     infinitely good. The unit is m^2 / (J W m/s), which the paper does not state.
     """
     cost = math.prod(np.maximum(raw[name], floor) for name, floor in FLOORS.items())
-    value: Array = -(raw["distance"] * raw["mean_height"]) / cost
-    return value
+    return -(raw["distance"] * raw["mean_height"]) / cost
 
 
 @objective("CoT", "", maximise=False, worst=1e6, least=0.0)
@@ -172,8 +171,7 @@ def cost_of_transport(raw: Raw, scene: Simulator) -> Array:
     NaN for a walker that does not get forward.
     """
     forward = np.where(raw["distance"] > 1e-12, raw["distance"], np.nan)
-    value: Array = raw[scene.transport] / (raw.get("weight", scene.weight) * forward)
-    return value
+    return raw[scene.transport] / (raw.get("weight", scene.weight) * forward)
 
 
 # Positive work of the joints, J. Of massless legs the integral of the positive part of P_joint = -sum
@@ -243,7 +241,7 @@ def lacking(o: Objective, simulator: Simulator) -> str:
             o.value({name: np.ones(1) for name in simulator.quantities}, simulator)
     except (KeyError, AttributeError) as why:
         return f"{type(why).__name__}: {why}"
-    return "a trace" if o.of == "walk" and not simulator.traces else ""
+    return "a trace" if o.of == "walk" and type(simulator).trace is Simulator.trace else ""
 
 
 def lookup(names: Sequence[str], simulator: Simulator | None = None) -> list[Objective]:

@@ -13,13 +13,10 @@ from numba import njit
 from footopt.compiled import cached_njit
 from footopt.effects.base import HOOKS
 
-#: Where types and functions come from that every process can import.
-HOME = ("footopt.", __name__.rpartition(".")[0] + ".")
-
 
 def is_own(thing: Any) -> bool:
     """Whether a type or function is a user's, not footopt's."""
-    return not thing.__module__.startswith(HOME)
+    return not thing.__module__.startswith("footopt.")
 
 
 def own_code(laws: Sequence[Any], stepper: Any = None) -> tuple[Any, ...]:

@@ -44,7 +44,6 @@ def estimate_error(
     foot: Foot,
     scene: Simulator | None = None,
     accuracy: AnyAccuracy | str = "standard",
-    names: Sequence[str] | None = None,
 ) -> dict[str, float]:
     """Error estimate of a walk's objectives by refinement, absolute, in their own units.
 
@@ -55,10 +54,8 @@ def estimate_error(
     ----------
     foot, scene, accuracy
         As in `simulate`.
-    names : sequence of str, optional
-        Of measures; by default all compiled objectives.
     """
-    return error_of(simulate(foot, scene, accuracy), names)
+    return error_of(simulate(foot, scene, accuracy))
 
 
 def error_of(walk: Walk, names: Sequence[str] | None = None) -> dict[str, float]:

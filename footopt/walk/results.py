@@ -35,13 +35,11 @@ class Table:
     reasons : (designs,), str
         "" or why it failed: sunk, backward, diverged.
     raw : (designs, quantities)
-        Measured by the walks, columns `quantities`.
+        Measured by the walks, columns ``scene.quantities``.
     evaluations : (designs,), int
         Of the contact.
     scene : Simulator
         Of the walks.
-    quantities : tuple of str
-        Names of `raw`.
     counts : dict of str to (designs,), int
         Of the planar walker: evaluations of plates; implicit stages that Newton's method left unsolved; steps
         under control that were shortened to half their length, for these or for too large an error; repeats
@@ -58,7 +56,6 @@ class Table:
     raw: Array
     evaluations: Ints
     scene: Simulator
-    quantities: tuple[str, ...]
     counts: Mapping[str, Ints]
     errors: Array | None = None
 
@@ -84,7 +81,7 @@ class Table:
             raise KeyError(
                 f"no {name!r} in this table: it has {', '.join(dict.fromkeys([*self.names, *there]))}"
             )
-        return np.asarray(OBJECTIVES[name].value(by_name(self.raw, self.quantities), self.scene))
+        return np.asarray(OBJECTIVES[name].value(by_name(self.raw, self.scene.quantities), self.scene))
 
     @property
     def efficiency(self) -> Array:
@@ -263,8 +260,7 @@ class Walk:
     def pose(self, index: ArrayLike) -> Pose:
         """Both feet from the COM at some samples."""
         path = self.world.path
-        pose: Pose = path.gait.pose(self.t[np.asarray(index)], path.l1, path.l2)
-        return pose
+        return path.gait.pose(self.t[np.asarray(index)], path.l1, path.l2)
 
     def camera(self) -> AbstractContextManager[Any]:
         """A context with a `footopt.mujoco.traces.Camera` of what walks, None where there is none."""
@@ -285,8 +281,7 @@ class Walk:
 
     def pitch(self, t: ArrayLike) -> Array:
         """Pitch of both feet at times (M,): (M, 2 feet), rad."""
-        angles: Array = self.world.gait.angles(np.asarray(t, float))[2][0]
-        return angles
+        return self.world.gait.angles(np.asarray(t, float))[2][0]
 
     @property
     def sole(self) -> Plates:

@@ -25,6 +25,7 @@ from footopt.walk.newton import NEWTON, STICKING
 from footopt.walk.results import Walk
 from footopt.walk.simulator import Simulator, Walked
 from footopt.walk.state import COUNTED, World
+from footopt.walk.steppers import STEPPERS
 
 CHUNK = 4096  # designs whose plates are in memory at once
 POINTS = 4_000_000  # along their soles, at most
@@ -138,7 +139,7 @@ class Scene(Simulator):
     @property
     def title(self) -> str:
         """Its sand in a few words."""
-        return f"{self.sand.name} sand"
+        return self.sand.title
 
     @property
     def about(self) -> str:
@@ -212,6 +213,7 @@ class Scene(Simulator):
             retardation=0.0 if length is None else DAMPING * float(np.sqrt(length / g)),
             tolerance=NEWTON if length is None else STICKING,
             effects=effects.laws(self.effects),
+            given=0.0 if STEPPERS[accuracy.stepper].implicit else None,
         )
 
     def too_long(self, accuracy: Accuracy) -> bool:

@@ -42,9 +42,8 @@ def simulate(foot: Foot, scene: Simulator | None = None, accuracy: AnyAccuracy |
         The walk is too long to be traced at this accuracy.
     """
     check_kind(foot, Foot, "foot", "Try fo.Foot.from_waypoints(heights)")
-    scene = _scene(scene)
-    walk: Walk = scene.trace(foot, numerics(resolve(accuracy), scene, foot))
-    return walk
+    scene = as_simulator(scene)
+    return scene.trace(foot, numerics(resolve(accuracy), scene, foot))
 
 
 def evaluate(
@@ -88,7 +87,7 @@ def evaluate(
     SettingError
         The scene has no heel strike, an objective is not known, or there are no feet.
     """
-    scene, accuracy = _scene(scene), resolve(accuracy)
+    scene, accuracy = as_simulator(scene), resolve(accuracy)
     bodies = as_feet(feet, space)
     check(len(bodies) > 0, "feet", "[]", "at least one foot")
     scene.need_heel_strike()
@@ -142,10 +141,10 @@ def _evaluated(
             walk = scene.trace(foot, accuracy) if any(o.of == "walk" for o in each) else None
             values[design, slow] = [walk.measured(o) if walk else float(o.value(foot)) for o in each]
     names = tuple(objectives)
-    return Table(values, names, feasible, reasons, raw, evaluations, scene, scene.quantities, counts)
+    return Table(values, names, feasible, reasons, raw, evaluations, scene, counts)
 
 
-def _scene(scene: Simulator | None) -> Simulator:
+def as_simulator(scene: Simulator | None) -> Simulator:
     """The paper's walk on hard sand where there is none."""
     found = Scene() if scene is None else scene
     check_kind(found, Simulator, "scene", "Try fo.Scene(sand=...)")

@@ -36,8 +36,6 @@ class Simulator(ABC):
     inherits from it is a frozen dataclass: a store keeps the fields that it is compared by.
     """
 
-    #: Whether it can keep traces: `trace`.
-    traces: ClassVar[bool] = True
     #: The quantity that `cost_of_transport` counts, J.
     transport: ClassVar[str] = "joint_work"
     #: The sand that it walks on and effects, where it has any.
@@ -126,13 +124,6 @@ class Simulator(ABC):
         """Raise a `SettingError` if its walks cannot be compared: by default they can."""
         return
 
-    @staticmethod
-    def from_function(
-        function: Callable[[Foot], Mapping[str, float] | str], quantities: Sequence[str]
-    ) -> FunctionSimulator:
-        """Make a simulator of a function of a foot, as `FunctionSimulator` has it."""
-        return FunctionSimulator(function, tuple(quantities))
-
 
 @dataclass(frozen=True)
 class FunctionSimulator(Simulator):
@@ -150,12 +141,12 @@ class FunctionSimulator(Simulator):
     function: Callable[[Foot], Mapping[str, float] | str] = field(compare=False)
     quantities: tuple[str, ...] = ()
     title: str = ""
-    traces: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         check(callable(self.function), "function", self.function, "a function of a Foot")
         name = getattr(self.function, "__qualname__", repr(self.function))
         object.__setattr__(self, "title", name.replace("_", " "))
+        object.__setattr__(self, "quantities", tuple(self.quantities))
 
     def walk(
         self, feet: Sequence[Foot], accuracy: Accuracy, threads: int | None = None, names: Sequence[str] = ()

@@ -33,6 +33,9 @@ class World(NamedTuple):
     retardation: float  # s, by which bristles lag behind the force on them
     tolerance: float  # of Newton's method: last step over the plates' mean speed
     effects: Laws
+    #: The stage of `contact` where the motion is given. Derivatives that nobody reads cost no time, and a
+    #: second loop over plates to compile does: 0 with implicit steppers, None with explicit ones.
+    given: float | None = None
     bypass: bool = False  # whether the gates of `effects` are compiled and not applied
 
 

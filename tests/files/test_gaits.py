@@ -78,6 +78,13 @@ class TestStrides:
         assert gait.period == pytest.approx(HUMAN.period, rel=1e-12)
         assert misfit(gait) < 0.05
 
+    def test_the_heel_strike_is_found_between_rows(self):
+        p = np.linspace(-0.02, 0.02, 401)
+        for begin in np.random.default_rng(0).uniform(size=5):
+            found = fo.fit_gait(SECONDS, *degrees(HUMAN, begin + SECONDS / HUMAN.period).values())
+            (thigh, _), (shank, _), _ = found.cycle(p)
+            assert abs(p[np.argmax(np.sin(thigh) + np.sin(shank))]) < 1e-3
+
     def test_a_stride_unlike_the_others_is_refused(self):
         angles = degrees(HUMAN, SECONDS / HUMAN.period)
         angles["knee"][280:320] += 40.0

@@ -142,7 +142,7 @@ class TestSvg:
         [
             (MM, 1e-3),
             ('width="30cm" height="10cm" viewBox="0 0 3000 1000"', 1e-4),
-            ('width="720pt" viewBox="0 0 254 100"', 1e-3),
+            ('width="720pt" height="9in" viewBox="0 0 254 100"', 1e-3),
             ('width="10in" viewBox="0 0 254 100"', 1e-3),
             ('width="300mm" height="100mm"', 0.0254 / 96),
         ],
@@ -157,7 +157,7 @@ class TestSvg:
         same(read(path, units="mm"), LOWER, 1e-9)
 
 
-UNITS = [(1, 0.0254), (4, 1e-3), (5, 1e-2), (6, 1.0)]
+UNITS = [(1, 0.0254), (2, 0.3048), (4, 1e-3), (5, 1e-2), (6, 1.0)]
 SCALES = st.floats(0.3, 1.1)  # the other reader has arcs as cubics, 0.03 % off
 
 

@@ -73,7 +73,8 @@ def test_a_problem_that_no_worker_can_import_is_said():
 
     with pytest.raises(FootoptError, match=r"cannot be sent .*module"):
         search(problem(kind=Inner), "ga", executor=Here(), **BUDGET)
-    assert "cannot load the problem (ModuleNotFoundError" in executor.walk_chunk(b"cmissing\nThing\n.", None)
+    with pytest.raises(FootoptError, match=r"cannot load the problem \(ModuleNotFoundError"):
+        executor.walk_chunk(b"cmissing\nThing\n.", None)
 
 
 def test_walks_that_raise_are_left_out_and_tried_again(tmp_path, caplog, monkeypatch):

@@ -32,7 +32,7 @@ def simulator(request):
         pytest.importorskip("mujoco")
         return fo.mujoco.Robot(duration=1.4)
     if request.param == "function":
-        return fo.Simulator.from_function(ramp, FIVE)
+        return fo.FunctionSimulator(ramp, FIVE)
     return fo.Scene(t_f=1.4)
 
 
@@ -62,7 +62,7 @@ class TestEverySimulator:
     def test_another_simulator_is_another_problem_to_a_store(self, simulator, tmp_path):
         path = tmp_path / "designs.sqlite"
         fo.search(fo.FootProblem(simulator, space=SPACE, accuracy=COARSE), "ga", walks=8, store=path)
-        another = fo.Simulator.from_function(other, FIVE)
+        another = fo.FunctionSimulator(other, FIVE)
         problem = fo.FootProblem(another, space=SPACE, accuracy=COARSE)
         assert fo.search(problem, "ga", walks=8, store=path).reused == 0
 
@@ -74,16 +74,16 @@ class TestEverySimulator:
 
 class TestFunctions:
     def test_a_reason_in_place_of_values_is_a_failed_walk(self):
-        table = fo.evaluate([[4, 3, 2, 1, 1], SOLES[2]], fo.Simulator.from_function(ramp, FIVE), space=SPACE)
+        table = fo.evaluate([[4, 3, 2, 1, 1], SOLES[2]], fo.FunctionSimulator(ramp, FIVE), space=SPACE)
         assert table.reasons.tolist() == ["steep", ""]
 
     def test_no_values_are_no_walk(self):
         with pytest.raises(TypeError, match="returned None"):
-            fo.evaluate(SOLES, fo.Simulator.from_function(lambda foot: None, FIVE), space=SPACE)
+            fo.evaluate(SOLES, fo.FunctionSimulator(lambda foot: None, FIVE), space=SPACE)
 
     def test_walks_have_no_traces(self):
         with pytest.raises(SettingError, match="simulator"):
-            fo.simulate(fo.Foot.flat(), fo.Simulator.from_function(ramp, FIVE))
+            fo.simulate(fo.Foot.flat(), fo.FunctionSimulator(ramp, FIVE))
 
 
 class TestRobots:

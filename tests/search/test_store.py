@@ -61,12 +61,12 @@ class Own(fo.Inertia):
 
 def test_a_key_has_what_functions_are_bound_to_and_the_effects_of_every_scenario():
     functions = [factory(1.0), factory(2.0), partial(bound, by=1.0), partial(bound, by=2.0)]
-    made = [fo.Simulator.from_function(one, ["work"]) for one in functions]
+    made = [fo.FunctionSimulator(one, ["work"]) for one in functions]
     assert len({digest(key_of(fo.FootProblem(one, "work", SMALL, QUICK))) for one in made}) == 4
     own = [fo.Scene(), fo.Scene(effects=(Own(),))]
     robust = [
         fo.RobustProblem([*map(fo.Scenario, "ab", scenes)], "work", SMALL, QUICK, references=np.ones(2))
-        for scenes in (own, made[:2], [fo.Simulator.from_function(factory(3.0), ["work"]), made[1]])
+        for scenes in (own, made[:2], [fo.FunctionSimulator(factory(3.0), ["work"]), made[1]])
     ]
     assert f"{__name__}.Own" in key_of(robust[0])["own"]
     assert len({digest(key_of(one)) for one in robust}) == 3

@@ -36,13 +36,7 @@ FREE = 2 / 3  # share of their children that no model chooses, of a front up to 
 
 
 class Moves(Algorithm):
-    """Base of the solvers by moves: no design twice, none outside its box, growing batches.
-
-    Parameters
-    ----------
-    pop_size : int, optional
-        Designs a generation; by default they grow (`grown`).
-    """
+    """Base of the solvers by moves: no design twice, none outside its box, batches that grow (`grown`)."""
 
     def __init__(self, pop_size: int | None = None, sampling: Any = None, **kwargs: Any) -> None:
         super().__init__(**{"termination": ("n_eval", WALKS), **kwargs})  # pymoo's tolerances know no restart

@@ -15,19 +15,11 @@ WIDTH, SMOOTHING = 0.7, 1e-3  # one over the Gaussians' length, in the range of 
 
 
 class Memory(NamedTuple):
-    """Designs that a model may still be made of: the newest, and the best by each objective.
+    """Designs that a model may still be made of: the newest, and the best by each objective."""
 
-    Parameters
-    ----------
-    X, F : (designs, n), (designs, objectives)
-        Heights and objectives, minimised, in the order in which they were evaluated.
-    told : int
-        Designs evaluated so far, with those that are forgotten.
-    """
-
-    X: Ints
-    F: Array
-    told: int = 0
+    X: Ints  # (designs, n), heights, in the order in which they were evaluated
+    F: Array  # (designs, objectives), minimised
+    told: int = 0  # designs evaluated so far, with those that are forgotten
 
     def joined(self, X: Ints, F: Array) -> Memory:
         """With new designs, without the old ones that are not among the best `TRAINED` by any objective."""
@@ -48,16 +40,8 @@ class RankModel:
     """Interpolates ranks by each objective with Gaussian radial basis functions and a constant.
 
     Soles are as far from each other as their heights and the differences of neighbours are: few of these
-    change where a run is shifted.
-
-    Parameters
-    ----------
-    known : (designs, n)
-        Heights of designs.
-    F : (designs, objectives)
-        Their objectives, minimised.
-    top : int
-        The largest height.
+    change where a run is shifted. It is made of the heights of `known` designs (designs, n), of their
+    objectives F (designs, objectives), minimised, and of the largest height, `top`.
     """
 
     def __init__(self, known: Ints, F: Array, top: int) -> None:

@@ -46,12 +46,7 @@ def operators(
 ) -> dict[str, Any]:
     """Sampling, crossover, mutation and repair of a genetic algorithm over whole numbers.
 
-    Parameters
-    ----------
-    crossover_prob, mutation_prob : float
-        Shares of the pairs that are crossed, and of the designs that are mutated.
-    crossover_eta, mutation_eta : float
-        The larger, the nearer to the parents (Deb & Agrawal 1995).
+    The larger an eta, the nearer children are to their parents (Deb & Agrawal 1995).
     """
     return {
         "sampling": IntegerRandomSampling(),
@@ -90,5 +85,4 @@ def reference_directions(n_obj: int, count: int) -> Array:
     check(count <= DIRECTIONS, "solver.pop_size", count, allowed, hint)
     from pymoo.util.ref_dirs import get_reference_directions
 
-    directions: Array = get_reference_directions("energy", n_obj, count, seed=1)
-    return directions
+    return get_reference_directions("energy", n_obj, count, seed=1)

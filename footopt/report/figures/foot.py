@@ -51,7 +51,8 @@ def draw_contour(axes: Axes, foot: Foot) -> None:
     ankle = MM * np.array(foot.ankle)
     axes.plot(*ankle, "+", color="black", ms=6, mew=1, zorder=5)
     axes.annotate("ankle", ankle, (4, 3), **near)
-    hull, x, low, high = lower_hull(foot.contour)
+    hull, i = lower_hull(foot.contour)
+    (x, high), low = foot.contour[i], hull[i, 1]
     depth = MM * foot.hollow
     if depth >= HOLLOW:
         axes.plot(*(MM * hull).T, ":", color="black", label="_lower hull", zorder=2)

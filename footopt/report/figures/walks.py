@@ -1,6 +1,7 @@
 """Figures of walks: their traces against time, and one step in the sand, from touch-down to push-off."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -41,23 +42,6 @@ def components(walk: Walk, name: str) -> dict[str, tuple[int, ...]]:
 
 
 @style.styled()
-def com(walks: Mapping[str, Walk]) -> Figure:
-    """Position and velocity of the centre of mass against time, of walks by label."""
-    return _panels(walks, ["com", "velocity"])
-
-
-@style.styled()
-def forces(walks: Mapping[str, Walk]) -> Figure:
-    """Force of the sand on each foot against time: f_x left, f_z right; a row for each foot."""
-    return _panels(walks, ["force"], sharey="col")
-
-
-@style.styled()
-def power_work(walks: Mapping[str, Walk]) -> Figure:
-    """Power and cumulative work of the sand on each foot against time; a column for each foot."""
-    return _panels(walks, ["power", "work"], sharey="row")
-
-
 def _panels(walks: Mapping[str, Walk], names: Sequence[str], sharey: Any = False) -> Figure:
     """Traces of walks by label, in two rows of two panels, or in one row for one foot."""
     figure = style.new_figure(style.PAGE, 3.6)
@@ -77,6 +61,13 @@ def _panels(walks: Mapping[str, Walk], names: Sequence[str], sharey: Any = False
     figure.align_ylabels()
     style.legend_above(figure)
     return figure
+
+
+#: Of walks by label, against time: position and velocity of the centre of mass; the force of the sand on each
+#: foot, a row for each; its power and cumulative work, a column for each.
+com = partial(_panels, names=["com", "velocity"])
+forces = partial(_panels, names=["force"], sharey="col")
+power_work = partial(_panels, names=["power", "work"], sharey="row")
 
 
 def draw_quantity(axes: Axes, walk: Walk, name: str) -> None:

@@ -36,12 +36,6 @@ FOOTER = (
 
 def write(path: Path, content: dict[str, Any]) -> Path:
     """Write a page of `search_content`, `walk_content` or `summary.runs_content`."""
-    write_text(path, text(content))
-    return path
-
-
-def text(content: dict[str, Any]) -> str:
-    """A page's own text; see `write`."""
     parts = resources("footopt.report.page")
 
     def read(name: str) -> str:
@@ -59,7 +53,8 @@ def text(content: dict[str, Any]) -> str:
     page = read("template.html")
     for name, value in filled.items():
         page = page.replace(f"<!--{name}-->", value)
-    return page
+    write_text(path, page)
+    return path
 
 
 def packed(values: ArrayLike, double: bool = False) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from footopt.design import EXHAUSTIVE, Confirmation, SearchResult
 from footopt.design.certificate import joined
 from footopt.design.result import SHOWN
 from footopt.foot import Foot, Waypoints
-from footopt.report.numbers import sand_title, title
+from footopt.report.numbers import title
 from footopt.report.page.file import column, packed
 from footopt.report.page.physics import physics, spline
 from footopt.report.stage import forces_along, ground, groups
@@ -120,7 +120,7 @@ def search_content(
 def place(world: Scene) -> str:
     """The sand of a scene, and where it is unless on the Earth."""
     elsewhere = "" if abs(world.g - EARTH) < 1e-9 else f", gravity {world.g:g} m/s^2"
-    return sand_title(world.sand) + PLANETS.get(world.g, elsewhere)
+    return world.sand.title + PLANETS.get(world.g, elsewhere)
 
 
 def _common(

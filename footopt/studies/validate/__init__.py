@@ -13,6 +13,7 @@ from importlib.resources import files
 from typing import Any
 
 import numpy as np
+from rich.text import Text
 
 from footopt.arrays import Array, Bools
 from footopt.effects import EFFECTS
@@ -177,7 +178,7 @@ def run(study: Study) -> None:
     table = terminal.table(HEAD, WORDS)
     table.title = "E, simulation less data, and its uncertainty 2 u (ASME V&V 20), over the scale"
     for c in sorted(found, key=lambda c: bool(c.apart)):
-        table.add_row(*cells(c), style="bold" if c.verdict == DIFFERS else "")
+        table.add_row(*(Text(cell, "bold" if c.verdict == DIFFERS else "") for cell in cells(c)))
     study.conclude(
         "The law against experiments",
         [table],

@@ -29,21 +29,11 @@ from footopt.walk.state import Integrals, State
 
 @dataclass(frozen=True)
 class Stepper:
-    """A stepper's entry in `STEPPERS`.
+    """A stepper's entry in `STEPPERS`."""
 
-    Parameters
-    ----------
-    parameters : NamedTuple
-        With the method `step`, see the top of this module.
-    nodes : tuple of float
-        Where in a step it needs the pose, as shares of the step.
-    implicit : bool
-        Whether it is L-stable, so that its steps may be long while the walker stands.
-    """
-
-    parameters: Any
-    nodes: tuple[float, ...]
-    implicit: bool = False
+    parameters: Any  # a NamedTuple with the method `step`, see the top of this module
+    nodes: tuple[float, ...]  # where in a step it needs the pose, as shares of the step
+    implicit: bool = False  # whether it is L-stable, so that its steps may be long while the walker stands
 
 
 STEPPERS: dict[str, Stepper] = {}
@@ -73,7 +63,7 @@ def explicit_contact(world, sole, poses, hip, h0, time, counts):
     h0: bristles at the step's beginning, or None. time: since then, s, for which they have followed plates.
     """
     turning_speed = turning_speed_of(world.bristle_length, world, time)
-    return contact(world, sole, poses, hip, turning_speed, None, h0, counts)
+    return contact(world, sole, poses, hip, turning_speed, world.given, h0, counts)
 
 
 @inlined
