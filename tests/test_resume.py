@@ -3,10 +3,12 @@
 import json
 import shutil
 import signal
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from motion_files import HUMAN, write_table
 from running import BRIEF, LIMIT, QUICK, footopt, outcome, started, stored, tries, wait_for_designs
 
 from footopt.files import identity
@@ -124,6 +126,22 @@ class TestIdentity:
         monkeypatch.setattr("footopt.cli.main.run_study", lambda *of: ran.append(of))
         done = footopt("resume=begun", "choose=weights", "choose.weights.work=3", cwd=tmp_path)
         assert (done.returncode, ran[0][0].choose.weights) == (0, {"work": 3.0})
+
+    def test_another_choice_of_a_group_leaves_nothing_of_the_one_before(self, begun, tmp_path, monkeypatch):
+        settings, words, _ = identity.read(begun)
+        there = {"engine": {"name": "processes", "threads": None, "workers": 2}}
+        identity.write(begun, settings | there, words)
+        ran = []
+        monkeypatch.setattr("footopt.cli.main.run_study", lambda *of: ran.append(of))
+        assert footopt("resume=begun", "engine=local", cwd=tmp_path).returncode == 0
+        assert (ran[0][0].engine.name, ran[0][0].engine.workers) == ("local", None)
+
+    def test_a_gait_file_that_has_changed_makes_another_run(self, tmp_path):
+        path = write_table(tmp_path / "mine.csv", HUMAN, 2.5)
+        words = ["gait=file", f"gait.path={path}", *SMALL]
+        assert footopt(*words, "hydra.run.dir=run", cwd=tmp_path).returncode == 0
+        write_table(path, replace(HUMAN, period=1.3), 2.5)
+        refused("resume=run", "solver.n_gen=4", cwd=tmp_path, says="scene.gait.")
 
 
 class TestResume:

@@ -31,7 +31,7 @@ from footopt.files.io import write_text
 from footopt.studies import searches, text, within
 from footopt.studies.build import GROUPS, absolute, check_trusted, load_plugins
 from footopt.studies.runs import BUDGETS, Run, check_resumable, load, run_study
-from footopt.studies.settings import CHANGEABLE, CODE, WRITTEN, structured
+from footopt.studies.settings import CHANGEABLE, CODE, WRITTEN, chosen, structured
 from footopt.walk.objectives import lookup
 
 TRUST, FORCE = "--trust", "--force"
@@ -236,7 +236,8 @@ def _changes(given: Sequence[str]) -> dict[str, Any]:
     for change in changes:
         check(not change.is_sweep_override(), "resume", change.input_line, "one value")
     values = {change.get_key_element(): change.value() for change in changes}
-    return {f"{name}.name" if name in groups() else name: value for name, value in values.items()}
+    choices = [chosen(name, values.pop(name)) for name in [*values] if name in groups()]
+    return {name: value for part in (*choices, values) for name, value in part.items()}
 
 
 def _resume_job(job: Path, changes: Mapping[str, Any], given: Sequence[str]) -> None:

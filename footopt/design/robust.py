@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -80,6 +80,8 @@ class RobustProblem(FootProblem):
         self.scenarios = tuple(scenarios)
         self.signs = np.array([MEASURES[name].sign for name in self.record])  # of values, when minimised
         self.measure, self.tail = measure, tail
+        #: (feet, n), heights: the best of these is the reference in each scenario, at any accuracy
+        self.specialists: Ints | None = None
         self.references = np.array(self._own_bests() if references is None else references, float)
         usable = np.isfinite(self.references) & (self.references != 0.0)
         good = usable.shape == (len(names),) and usable.all()
@@ -90,7 +92,7 @@ class RobustProblem(FootProblem):
 
     def _own_bests(self) -> list[float]:
         """`ranking_objective` of the best foot of each scenario alone."""
-        found = []
+        found, k = [], []
         for s in self.scenarios:
             space = s.space(self.space)
             alone = FootProblem(s.scene, self.ranking_objective, space, self.accuracy, self.threads)
@@ -99,7 +101,21 @@ class RobustProblem(FootProblem):
             except FootoptError as error:
                 raise FootoptError(f"{s.name}: {error}") from None
             found.append(float(result.column(self.ranking_objective)[result.best]))
+            k.append(result.k[result.best])
+        self.specialists = np.array(k)
         return found
+
+    def at(self, accuracy: AnyAccuracy) -> Self:
+        """The same, walked at another accuracy, with the specialists' values at that one as references."""
+        other = super().at(accuracy)
+        if self.specialists is not None:
+            other.references = other.bests(other.walk_each(self.specialists)[0])
+        return other
+
+    def bests(self, values: Array) -> Array:
+        """The ranking objective of the best of some feet in each scenario: (scenarios,)."""
+        at = self.record.index(self.ranking_objective)
+        return self.signs[at] * np.nanmin(self.signs[at] * values[..., at], axis=1)
 
     @property
     def conditions(self) -> dict[str, Any]:

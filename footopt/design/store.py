@@ -71,6 +71,8 @@ class Store(AbstractContextManager["Store"]):
     foreign : list of str
         What differs between this program and the one that walked the designs of the same settings; empty
         where there are none of others, or there are own ones.
+    nearest : list of str
+        What differs from the problem with designs that differs least; empty where there are own designs.
 
     Raises
     ------
@@ -90,9 +92,11 @@ class Store(AbstractContextManager["Store"]):
             with self._explained() as connection:
                 self._make_or_check(connection)
                 self._id = self._enter(connection)
-            others = self._by_other_code()
-            self.foreign = min(others.values(), key=len, default=[]) if reuse or not len(self) else []
-            self._read_from = (self._id, *(others if reuse else ()))
+            others = self._others()
+            code = {i: names for i, names in others.items() if all(name.startswith(CODE) for name in names)}
+            self.foreign = min(code.values(), key=len, default=[]) if reuse or not len(self) else []
+            self.nearest = [] if len(self) else min(others.values(), key=len, default=[])
+            self._read_from = (self._id, *(code if reuse else ()))
         except BaseException:
             self.close()
             raise
@@ -140,16 +144,15 @@ class Store(AbstractContextManager["Store"]):
         told = f"Designs in {self.path} of other code are {used}: {listed(self.foreign)} differ"
         return told if self.foreign else ""
 
-    def _by_other_code(self) -> dict[int, list[str]]:
-        """Keys of the same settings that have designs, and how the code or machine there differs."""
+    def _others(self) -> dict[int, list[str]]:
+        """Other keys that have designs, and how they differ."""
         query = (
             "SELECT id, description FROM context WHERE id != ? "
             "AND EXISTS (SELECT 1 FROM design WHERE context = context.id)"
         )
         with self._explained() as connection:
             rows = connection.execute(query, (self._id,)).fetchall()
-        found = {number: differences(json.loads(text), self._key) for number, text in rows}
-        return {number: names for number, names in found.items() if all(n.startswith(CODE) for n in names)}
+        return {number: differences(json.loads(text), self._key) for number, text in rows}
 
     def _make_or_check(self, connection: sqlite3.Connection) -> None:
         """Make the tables in an empty file; refuse any other that is not a store of this layout."""
@@ -254,7 +257,8 @@ def _fingerprint(own: Any) -> tuple[str, str]:
     for one in [*bound, getattr(inner, "__defaults__", None), *([] if named is inner else [vars(inner)])]:
         with suppress(Exception):  # what cannot be pickled is a function, whose file says what it does
             digest.update(pickle.dumps(one))
-    return f"{named.__module__}.{named.__qualname__}", digest.hexdigest()
+    module = "__main__" if named.__module__ == "__mp_main__" else named.__module__  # a worker's name of it
+    return f"{module}.{named.__qualname__}", digest.hexdigest()
 
 
 @cache

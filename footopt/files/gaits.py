@@ -27,6 +27,7 @@ COLUMNS = {
     "pelvis": r"pelvistilt",
 }
 SIDES = ("right", "left")
+UNIT = re.compile(r"(deg|rad)(rees|ians)?\W*$")  # at the end of a column's name
 PHASE_PERIOD = 1.2  # s; of a stride whose table has its phase only
 
 
@@ -122,8 +123,8 @@ def read_strides(
                 "holds markers, and footopt reads joint angles (CSV, MOT, STO): inverse kinematics such as "
                 "OpenSim's gives them."
             )
-        known = suffix in (".csv", ".mot", ".sto")
-        check(known, "gait.path", str(path), "a file that ends in .csv, .mot or .sto")
+        allowed = "a file that ends in .csv, .mot or .sto"
+        check(suffix in (".csv", ".mot", ".sto"), "gait.path", str(path), allowed)
         text = io.read_text(path, "gait.path")
         table = io.parse_table(text if suffix == ".csv" else text.partition("endheader")[2])
         t, angles, whole, notes = _leg(table, names or {}, side)
@@ -159,10 +160,13 @@ def _leg(
         if part in names:
             check(names[part] in table, f"gait.names.{part}", names[part], "the name of a column")
             return names[part]
-        form = re.compile(f"({leg[0]}|{leg})?({COLUMNS[part]})({leg[0]}|{leg})?")
-        return next((name for name in table if form.fullmatch(_plain(name))), None)
+        own, any_leg = f"({leg[0]}|{leg})", f"({COLUMNS[part]})"
+        forms = own + any_leg, any_leg + own, any_leg
+        return next((name for form in forms for name in table if re.fullmatch(form, _plain(name))), None)
 
     leg = side or next((s for s in SIDES if column("knee", s)), SIDES[0])
+    sided = any(column(part, "left") != column(part, "right") for part in COLUMNS)
+    check(sided or side is None, "gait.side", side, "null: no column names a side")
     found = {part: name for part in COLUMNS if (name := column(part, leg))}
     for part, also in (("time", "percent"), ("thigh", "hip"), ("knee", "knee")):
         if not {part, also} & found.keys():
@@ -171,13 +175,19 @@ def _leg(
                 f"{', '.join(filter(None, table))[:200]}. Name it with gait.names.{part}=..."
             )
     read = {part: io.numbers(table, name) for part, name in found.items()}
-    knee = read["knee"]
-    if len(knee) < 4:
-        raise Unusable(f"has {len(knee)} rows, and a stride needs more.")
-    unit = _unit(read.get("thigh", read.get("hip", knee)), knee)
-    notes: tuple[str, ...] = (f"the {leg} leg; angles in {unit}",)
+    if len(read["knee"]) < 4:
+        raise Unusable(f"has {len(read['knee'])} rows, and a stride needs more.")
+    leading = "thigh" if "thigh" in read else "hip"
+    units = {part: match[1] for part, name in found.items() if (match := UNIT.search(name.lower()))}
+    unit = next(iter(units.values()), _unit(read[leading], read["knee"]))  # of columns that state none
+    for part in found.keys() - {"time", "percent"}:
+        read[part] = np.degrees(read[part]) if units.get(part, unit) == "rad" else read[part]
+    if _unit(read[leading], read["knee"]) == "rad":
+        raise Unusable(f"the leg hardly moves, with {found[leading]} and {found['knee']} in {unit}.")
+    knee, notes = read["knee"], [f"the {leg} leg; angles in {unit}"]
     if abs(np.max(knee)) < abs(np.min(knee)):
-        knee, notes = -knee, (*notes, f"{found['knee']} is below 0 where the knee bends, and is turned round")
+        knee = -knee
+        notes.append(f"{found['knee']} is below 0 where the knee bends, and is turned round")
     if "thigh" in read:
         angles = {"thigh": read["thigh"], "knee": knee} | ({"foot": read["foot"]} if "foot" in read else {})
     else:
@@ -185,11 +195,9 @@ def _leg(
         if "ankle" in read:
             angles["foot"] = angles["thigh"] - knee + read["ankle"]
         tilt = f"{found['pelvis']} is added to it, + backwards as in OpenSim" if "pelvis" in read else "level"
-        notes += (f"the thigh is {found['hip']} from the pelvis; pelvis: {tilt}",)
-    if unit == "rad":
-        angles = {joint: np.degrees(values) for joint, values in angles.items()}
+        notes.append(f"the thigh is {found['hip']} from the pelvis; pelvis: {tilt}")
     if "time" in read:
-        return read["time"], angles, None, notes
+        return read["time"], angles, None, tuple(notes)
     share = read["percent"] / (100.0 if read["percent"].max() > 2.0 else 1.0)
     if not share[0] + 1.0 - 2.0 * np.diff(share).max() <= share[-1] <= share[0] + 1.0 + 1e-6:
         low, high = read["percent"][[0, -1]]

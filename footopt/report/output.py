@@ -98,8 +98,11 @@ class Output:
 
     def write_result(self, content: Mapping[str, Any]) -> dict[str, Any]:
         """Write result.json, the content between the study's name and how it was made; returns it all."""
+        known = [MEASURES[name] for name in content.get("objectives", ()) if name in MEASURES]
+        kinds = {"units": {o.name: o.unit for o in known}, "maximise": {o.name: o.maximise for o in known}}
         record = {
             "study": self.study,
+            **(kinds if known else {}),
             **content,
             **({"walked_by_other_code": self.foreign} if self.foreign else {}),
             "settings": self.settings,

@@ -109,9 +109,9 @@ def as_frame(runs: Sequence[Row]) -> pandas.DataFrame:
 def load_all(pattern: str | Path) -> pandas.DataFrame:
     """All runs below folders, a row for each.
 
-    Columns are `folder`, `overrides`, each setting by its full name in which several runs differ, each
-    objective, `efficiency_over_flat`, `hollow_mm`, `k`, the other numbers of result.json, `warnings` (how
-    many), and `note`: why there is no better result. A column that would be empty is left out.
+    Columns are `folder`, `overrides`, each setting by its full name, each objective, `efficiency_over_flat`,
+    `hollow_mm`, `k`, the other numbers of result.json, `warnings` (how many), and `note`: why there is no
+    better result. A column that would be empty is left out.
 
     Parameters
     ----------
@@ -125,8 +125,7 @@ def load_all(pattern: str | Path) -> pandas.DataFrame:
     """
     if not (found := [read(folder) for folder in identity.runs(pattern)]):
         raise FileError(f"pattern = {str(pattern)!r}: no run is there. Try 'outputs/**'.")
-    alike = {name for run in found for name in run.settings} - {*varied(found)} if len(found) > 1 else ()
-    return as_frame(found).drop(columns=[*alike], errors="ignore")
+    return as_frame(found)
 
 
 def varied(runs: Sequence[Row]) -> pandas.DataFrame:

@@ -27,7 +27,7 @@ from footopt.report.output import Step, foot_entry, report_generations, scene_en
 from footopt.studies import build
 from footopt.studies.runs import Study
 from footopt.studies.settings import Config
-from footopt.walk import MEASURES, Simulator
+from footopt.walk import Simulator
 from footopt.walk.accuracy import AnyAccuracy
 from footopt.walk.ladder import numerics
 
@@ -52,7 +52,8 @@ def run(study: Study) -> None:
             alone = FootProblem(s.scene, problem.names, space, problem.accuracy, problem.threads)
             result, confirmed = searched(study, alone, solver, s.name, finer, executor, step)
             k.append(result.k[confirmed.designs[0]])
-        problem.references, _ = compare(problem, problem.walk_each(np.array(k))[0])
+        problem.specialists = np.array(k)
+        problem.references = problem.bests(problem.walk_each(problem.specialists)[0])
         result, confirmed = searched(study, problem, solver, ROBUST, finer, executor, step, len(scenarios), k)
     study.say(terminal.describe_confirmation(confirmed))
     k.append(result.k[confirmed.designs[0]])
@@ -60,7 +61,7 @@ def run(study: Study) -> None:
     judge, names = problem.at(finer), [*(s.name for s in scenarios), ROBUST]
     judge.references = np.ones(len(scenarios))  # values as they are
     values, reasons = judge.walk_each(np.array(k))
-    _, regrets = compare(judge, values)
+    regrets = compare(judge, values)
     soles = {name: Foot.from_waypoints(h.tolist(), judge.space) for name, h in zip(names, k, strict=True)}
     foot = replace(soles[ROBUST], name=ROBUST)
     write_foot(foot, study.folder / "contour.csv")
@@ -149,15 +150,10 @@ def searched(
     return result, confirm(result, finer, study.options.finalists)
 
 
-def compare(judge: RobustProblem, values: Array) -> tuple[Array, Array]:
-    """The ranking objective of the best specialist in each scenario, (scenarios,), and all feet's regrets.
-
-    `values` (scenarios, feet, record) begin with the specialists; regrets are (feet, scenarios).
-    """
-    by = judge.ranking_objective
-    ranked, sign = values[..., judge.record.index(by)], MEASURES[by].sign
-    references = sign * np.nanmin(sign * ranked[:, : len(judge.scenarios)], axis=1)
-    return references, regret(ranked, references[:, None], by).T
+def compare(judge: RobustProblem, values: Array) -> Array:
+    """Regrets (feet, scenarios) of feet by values (scenarios, feet, record), of the specialists first."""
+    by, references = judge.ranking_objective, judge.bests(values[:, : len(judge.scenarios)])
+    return regret(values[..., judge.record.index(by)], references[:, None], by).T
 
 
 def table(objective: str, feet: Sequence[str], regrets: Array) -> RichTable:

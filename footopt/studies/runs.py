@@ -91,16 +91,21 @@ class Study(Output):
         return make_executor(self.config.engine.name, self.config.engine.workers)
 
     def store(self, problem: FootProblem) -> Store:
-        """Where designs are kept; a `FootoptError` if other code would replace a finished run's result."""
+        """Where designs are kept; a `FootoptError` if others would replace a finished run's result."""
         store = Store(self.options.store or self.folder / "designs.sqlite", problem, self.options.reuse)
+        before = result_of(self.folder) or {}
         if store.foreign and self.options.reuse:
             self.foreign = store.foreign
-        elif store.foreign and finished(result_of(self.folder)):
-            store.close()
-            raise FootoptError(
-                f"{self.folder}: other code has walked this finished run ({listed(store.foreign)}). "
-                "Start a new run; or add study.reuse=true, if you know that the walks are the same."
-            )
+        elif before and finished(before):
+            there = before["settings"]["study"].get("store") == self.settings["study"].get("store")
+            own = there and type(problem) is FootProblem  # whose designs, of a finished run, are there
+            if other := store.foreign or (store.nearest if own else []):
+                store.close()
+                hint = "; or add study.reuse=true, if you know that the walks are the same"
+                raise FootoptError(
+                    f"{self.folder}: other code, or with other files, has walked this finished run "
+                    f"({listed(other)}). Start a new run{hint if store.foreign else ''}."
+                )
         return store
 
     @property

@@ -319,6 +319,12 @@ def known() -> dict[str, Setting]:
     return found
 
 
+def chosen(group: str, choice: Any) -> dict[str, Any]:
+    """The settings of a group of which one is chosen, by their full names: all else is as by default."""
+    given = {name: setting.default for name, setting in known().items() if name.startswith(f"{group}.")}
+    return given | {f"{group}.name": choice}
+
+
 def shown(value: Any) -> str:
     """A value as it is written on the command line."""
     if value is None or isinstance(value, bool):

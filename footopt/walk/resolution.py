@@ -73,10 +73,11 @@ def resolution(walk: Walk, errors: Mapping[str, float]) -> list[Diagnostic]:
     cause finds out what causes it. A walk that failed has none.
     """
     values = walk.objectives
-    size = dict(zip(FIVE, sizes(np.array([values[name] for name in FIVE]), walk.scene), strict=True))
+    size = {name: max(abs(value), 1e-3) for name, value in values.items() if name != "efficiency"}
+    size |= dict(zip(FIVE, sizes(np.array([values[name] for name in FIVE]), walk.scene), strict=True))
     shares = {
         name: errors[name] / size[name]
-        for name in FIVE
+        for name in size
         if math.isfinite(values[name]) and math.isfinite(errors.get(name, math.nan))
     }
     promise = walk.accuracy.tolerance or PROMISE

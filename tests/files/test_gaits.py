@@ -131,6 +131,22 @@ class TestOpenSim:
 
 
 class TestCsv:
+    @pytest.mark.parametrize("unit", ["", " [deg]", " [rad]"])
+    def test_the_leg_that_is_asked_for_and_units_of_the_header_are_read(self, tmp_path, unit):
+        thigh, knee, _ = degrees(HUMAN, SECONDS / HUMAN.period).values()
+        shown = np.radians(thigh) if "rad" in unit else thigh
+        table = np.column_stack([SECONDS, shown, knee, 0.8 * shown, 0.8 * knee])
+        head, path = f"time,thigh{unit},knee (deg),thigh_l{unit},knee_l (deg)", tmp_path / "two.csv"
+        np.savetxt(path, table, delimiter=",", header=head, comments="")
+        assert misfit(fo.read_gait(path)) < 0.05
+        left = degrees(fo.read_gait(path, side="left"), SECONDS)
+        assert [np.ptp(left["thigh"]), np.ptp(left["knee"])] == pytest.approx(
+            [0.8 * np.ptp(thigh), 0.8 * np.ptp(knee)], rel=0.01
+        )
+        path.write_text(path.read_text().replace("_l", ""))
+        with pytest.raises(SettingError, match=r"gait\.side"):
+            fo.read_gait(path, side="left")
+
     @pytest.mark.parametrize("pitch", ["shank", "measured"])
     def test_gives_back_the_gait_that_was_measured(self, tmp_path, pitch):
         human = fo.Gait.human(period=0.9)

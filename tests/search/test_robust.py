@@ -172,6 +172,9 @@ class TestRobustProblem:
         assert 1 + robust.F[0] == pytest.approx(worst.min())
         specialists = every[j[..., 0].argmin(axis=1)]
         assert 0 < worst.min() < (1 + together.walk(specialists)[0][:, 5]).min()
+        finer = fo.Accuracy(plates=40, dt=0.01)  # at which regrets are against the same soles
+        each = [fo.evaluate(specialists, s.scene, finer, ("efficiency",), space).values for s in SANDS]
+        np.testing.assert_array_equal(together.at(finer).references, np.min(each, axis=1)[:, 0])
 
     def test_a_scenario_in_which_no_foot_walks_is_named(self):
         quicksand = fo.Scenario("quicksand", fo.Scene(sand=fo.Sand(1e-3)))

@@ -68,6 +68,12 @@ def test_a_key_has_what_functions_are_bound_to_and_the_effects_of_every_scenario
         fo.RobustProblem([*map(fo.Scenario, "ab", scenes)], "work", SMALL, QUICK, references=np.ones(2))
         for scenes in (own, made[:2], [fo.FunctionSimulator(factory(3.0), ["work"]), made[1]])
     ]
+    keys = []
+    for name in ("__main__", "__mp_main__"):  # a script's, and that of a worker process that runs it again
+        function = factory(1.0)
+        function.__module__ = name
+        keys.append(key_of(fo.FootProblem(fo.FunctionSimulator(function, ["work"]), "work", SMALL, QUICK)))
+    assert keys[0] == keys[1]
     assert f"{__name__}.Own" in key_of(robust[0])["own"]
     assert len({digest(key_of(one)) for one in robust}) == 3
 

@@ -100,6 +100,7 @@ def test_all_runs_are_a_table_with_a_column_for_each_setting_objective_and_time(
     notes = table.set_index("folder")["note"]
     assert (notes[str(cwd / "out/sweep/0")], notes[str(walk.folder)]) == ("sunk", "")
     assert row["overrides"] == " ".join(WORDS)
+    assert set(table["solver.seed"]) == {1}  # a setting in which no two differ
 
 
 @pytest.mark.slow

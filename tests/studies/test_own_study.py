@@ -52,6 +52,7 @@ def test_it_is_found_by_its_name(tmp_path, capsys, monkeypatch):
         run_study(composed("study=hollow", "sand.zeta=2", *words), tmp_path, {}, ["sand.zeta=2"])
     check_page(tmp_path)
     result = json.loads((tmp_path / "result.json").read_text())
-    assert list(result) == ["study", "objectives", "settings", *MADE]
+    assert list(result) == ["study", "units", "maximise", "objectives", "settings", *MADE]
+    assert (result["units"], result["maximise"]) == ({"hollow": "m"}, {"hollow": False})
     assert (result["study"], result["settings"]) == ("hollow", {"any": 1})
     assert "It is hollow." in capsys.readouterr().out

@@ -34,6 +34,14 @@ def test_a_warning_names_what_causes_the_error(setting, value, ramp_foot):
     assert f"accuracy.{setting}" in found.why
 
 
+def test_an_error_of_another_measure_than_the_papers_is_told(flat_foot):
+    walk = fo.simulate(flat_foot, fo.Scene(), "draft")
+    (found,) = resolution(
+        walk, dict.fromkeys(FIVE, 0.0) | {"maximum_sinkage": walk.totals["maximum_sinkage"]}
+    )
+    assert found.value == pytest.approx(100.0)
+
+
 def test_an_estimate_is_twice_what_two_refinements_change(ramp_foot):
     """The distance to the walk refined twice, and what is left from there."""
     accuracy = fo.Accuracy(dt=8e-3, plates=40, creep=1e-4, control=8e-4)
