@@ -36,6 +36,8 @@ WHY = {
         "such a sand pushes plates along, and a walk's end may hang on the accuracy; see sand.coefficients",
     "length of the sole over the body's height": "lengths are in m, and foot.L is half of the sole's",
     "height of the body over the sole's length": "lengths are in m, those of legs, too",
+    "pitch of the more level foot at the start":
+        "z of a foot's body is up where its sole is level; put a body with such axes into it, and name that",
     "floor of J_W over what is below it":
         "J_W counts no less than 1 J, 1 W and 0.001 m/s: does the walk end too soon to be judged by it?",
 }  # fmt: skip
@@ -114,6 +116,7 @@ def diagnose(walk: Walk) -> list[Diagnostic]:
         (-walk.scene.sand.stress_map.dissipation(), "N/cm^3", 0.0),  # no error bound holds beyond it
         (slender, "", 0.8),  # from 0.1 to 0.5 of animals and robots
         (1.0 / slender, "", 20.0),
+        (float(np.degrees(np.abs(walk.pitch(walk.t[:1])).min())), "deg", 10.0),
         (counts if walk.feasible else 0.0, "", 1.0),
     )
     found = [Diagnostic(name, *row, why) for (name, why), row in zip(WHY.items(), rows, strict=True)]

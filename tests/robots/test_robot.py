@@ -11,6 +11,7 @@ from footopt.errors import SettingError
 from footopt.mujoco.model import BIPED
 from footopt.mujoco.walking import quiet
 from footopt.walk import FIVE
+from footopt.walk.checks import diagnose
 
 mujoco = pytest.importorskip("mujoco")
 SPACE = fo.Waypoints(n=5, K=4)
@@ -253,3 +254,9 @@ class TestOneFoot:
         robot = fo.mujoco.Robot(HOPPER.format(euler="0 90 0"), "foot", hold, duration=0.4)
         with pytest.raises(SettingError, match=r"robot.feet = 'foot'.*x forward and z up"):
             fo.evaluate([SOLES[0]], robot, COARSE, space=SPACE)
+        for angle, told in ((20, True), (0, False)):
+            tipped = fo.mujoco.Robot(
+                HOPPER.format(euler=f"0 {angle} 0"), "foot", hold, duration=0.1, after=0.05
+            )
+            names = {d.name for d in diagnose(fo.simulate(fo.Foot.flat(), tipped, COARSE))}
+            assert any("pitch" in name for name in names) == told
