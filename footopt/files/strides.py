@@ -158,7 +158,7 @@ def _from_strike(strides: Strides, always: bool) -> Strides:
     from scipy.interpolate import CubicSpline
 
     phase, mean, fine = strides.phase, strides.mean(), np.linspace(0.0, 1.0, 10_001)
-    thigh, knee = (np.radians(CubicSpline(phase, mean[joint])(fine)) for joint in ANGLES)
+    thigh, knee = (Fourier.fit(phase[:-1], mean[j][:-1], HARMONICS).at(fine)[0] for j in ANGLES)
     ahead = np.sin(thigh) + np.sin(thigh - knee)  # thigh and shank are as long
     strike = fine[np.argmax(ahead[:-1])]
     if not always and not MAX_STRIKE_PHASE < strike < 1.0 - MAX_STRIKE_PHASE:

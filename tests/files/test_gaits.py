@@ -78,12 +78,14 @@ class TestStrides:
         assert gait.period == pytest.approx(HUMAN.period, rel=1e-12)
         assert misfit(gait) < 0.05
 
-    def test_the_heel_strike_is_found_between_rows(self):
-        p = np.linspace(-0.02, 0.02, 401)
+    def test_a_stride_begins_where_the_ankle_is_farthest_ahead(self):
+        """Between rows, and whatever the noise."""
+        p, recordings = np.linspace(-0.02, 0.02, 401), [drawn(seed)[1:] for seed in range(tries(4))]
         for begin in np.random.default_rng(0).uniform(size=5):
-            found = fo.fit_gait(SECONDS, *degrees(HUMAN, begin + SECONDS / HUMAN.period).values())
-            (thigh, _), (shank, _), _ = found.cycle(p)
-            assert abs(p[np.argmax(np.sin(thigh) + np.sin(shank))]) < 1e-3
+            recordings.append((SECONDS, degrees(HUMAN, begin + SECONDS / HUMAN.period)))
+        for t, angles in recordings:
+            (thigh, _), (shank, _), _ = fo.fit_gait(t, *angles.values()).cycle(p)
+            assert abs(p[np.argmax(np.sin(thigh) + np.sin(shank))]) < 3e-3
 
     def test_a_stride_unlike_the_others_is_refused(self):
         angles = degrees(HUMAN, SECONDS / HUMAN.period)
