@@ -81,8 +81,8 @@ class TestStrides:
     def test_a_stride_begins_where_the_ankle_is_farthest_ahead(self):
         """Between rows, and whatever the noise."""
         p, recordings = np.linspace(-0.02, 0.02, 401), [drawn(seed)[1:] for seed in range(tries(4))]
-        for begin in np.random.default_rng(0).uniform(size=5):
-            recordings.append((SECONDS, degrees(HUMAN, begin + SECONDS / HUMAN.period)))
+        begun = np.random.default_rng(0).uniform(size=5)
+        recordings += [(SECONDS, degrees(HUMAN, begin + SECONDS / HUMAN.period)) for begin in begun]
         for t, angles in recordings:
             (thigh, _), (shank, _), _ = fo.fit_gait(t, *angles.values()).cycle(p)
             assert abs(p[np.argmax(np.sin(thigh) + np.sin(shank))]) < 3e-3
