@@ -118,12 +118,7 @@ def read_strides(
         ordered = len(window) == 2 and window[0] < window[1]
         check(ordered, "gait.window", list(window), "two times in s, the second one after the first, or null")
     with naming(path, "gait.path"):
-        if suffix in (".trc", ".c3d"):
-            raise Unusable(
-                "holds markers, and footopt reads joint angles (CSV, MOT, STO): inverse kinematics such as "
-                "OpenSim's gives them."
-            )
-        allowed = "a file that ends in .csv, .mot or .sto"
+        allowed = "a file of joint angles, .csv, .mot or .sto; from markers inverse kinematics gives them"
         check(suffix in (".csv", ".mot", ".sto"), "gait.path", str(path), allowed)
         text = io.read_text(path, "gait.path")
         table = io.parse_table(text if suffix == ".csv" else text.partition("endheader")[2])
@@ -160,8 +155,8 @@ def _leg(
         if part in names:
             check(names[part] in table, f"gait.names.{part}", names[part], "the name of a column")
             return names[part]
-        own, any_leg = f"({leg[0]}|{leg})", f"({COLUMNS[part]})"
-        forms = own + any_leg, any_leg + own, any_leg
+        own, bare = f"({leg[0]}|{leg})", f"({COLUMNS[part]})"
+        forms = own + bare, bare + own, bare
         return next((name for form in forms for name in table if re.fullmatch(form, _plain(name))), None)
 
     leg = side or next((s for s in SIDES if column("knee", s)), SIDES[0])

@@ -103,9 +103,9 @@ def finished(result: Mapping[str, Any] | None) -> bool:
 
 def runs(pattern: str | Path) -> list[Path]:
     """Folders of all runs in or below the folders that a pattern names, in order."""
-    there = Path(pattern).is_dir()  # a folder may have the brackets of a pattern in its name
-    roots = [Path(pattern)] if there else [Path(found) for found in glob(str(pattern), recursive=True)]
-    left = (path for root in roots for file in (FILE, ERROR_FILE, "result.json") for path in root.rglob(file))
+    roots = [pattern] if Path(pattern).is_dir() else glob(str(pattern), recursive=True)
+    names = (FILE, ERROR_FILE, "result.json")
+    left = (path for root in roots for name in names for path in Path(root).rglob(name))
     return sorted({path.parent for path in left}, key=order)
 
 
