@@ -36,7 +36,7 @@ def run(study: Study) -> None:
     with study.progress(1 + len(others), "choice") as step:
         own = evidence(config, searched)
         step(news="the settings")
-        for name, (figure, caption) in all_figures(own).items():
+        for name, (figure, caption) in (all_figures(own) if study.wants_figures else {}).items():
             study.save(name, figure, caption)
         for name, other in others.items():
             try:
