@@ -20,7 +20,7 @@ CORNER = 0.3  # rad: chords that stand for a curve turn by less
 
 
 class Plates(NamedTuple):
-    """The plates of a batch of feet: arrays of shape (designs, plates), but for `span`."""
+    """The plates of a batch of feet: arrays of shape (designs, plates), but for `span` and `width`."""
 
     x: Array  # m, in the foot frame from the ankle
     z: Array  # m
@@ -31,6 +31,7 @@ class Plates(NamedTuple):
     tz: Array
     turn: Array  # rad, of the contour within a plate; 0 for chords
     span: Array  # (designs,), m, for which a plate stands; 0 for chords
+    width: Array  # (designs,), m
 
     @classmethod
     def from_points(
@@ -52,7 +53,8 @@ class Plates(NamedTuple):
             np.zeros(len(points)) if RULES[rule] == 1 else (cuts[0][4] * width[:, None]).mean(axis=1) / width
         )
         x, z, c2, s2, length, tx, tz, turn = cuts[0] if top is None else np.concatenate(cuts, axis=2)
-        return cls(x - ankle[:, :1], z - ankle[:, 1:], c2, s2, length * width[:, None], tx, tz, turn, span)
+        x, z, area = x - ankle[:, :1], z - ankle[:, 1:], length * width[:, None]
+        return cls(x, z, c2, s2, area, tx, tz, turn, span, np.full(len(points), width))
 
 
 @cached_njit(nogil=True, error_model="numpy")

@@ -107,7 +107,7 @@ def diagnose(walk: Walk) -> list[Diagnostic]:
     total_force, total_power = max(size.sum(), 1e-300), max(power.sum(), 1e-300)
     trailing, sinks = power[vn < 0].sum(), 0.0 if walk.scene.holds else creep_while_standing(walk)
     rows = (  # the value, its unit, and its limit
-        (float(depth.max()), "m", walk.foot.width),
+        (walk.totals.get("maximum_sinkage", float(depth.max())), "m", walk.foot.width),
         (ankle_depth(walk), "m", 0.0),
         (float((size * speed).sum() / total_force), "m/s", 0.5),
         (float(inertia.sum() / total_force), "", math.inf if counted else 0.05),

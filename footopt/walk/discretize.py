@@ -101,7 +101,7 @@ def soles(plates: Plates) -> Sole:
     """Plates of all designs in whole blocks (the last one repeated without area), each in a rectangle."""
     count = plates.x.shape[1]
     order = np.minimum(np.arange(count + -count % LANES), count - 1)
-    columns = [np.take(column, order, axis=1) for column in plates[:-1]]
+    columns = [np.take(column, order, axis=1) for column in plates[:-2]]
     x, z, _, _, area, *_ = columns
     area[:, count:] = 0.0
     blocks = [column.reshape(len(column), -1, LANES) for column in (x, z)]
@@ -112,6 +112,7 @@ def soles(plates: Plates) -> Sole:
         blocks=np.stack([*middle, *(0.5 * size for size in half)], axis=1),
         reach=np.sqrt(np.max(plates.x**2 + plates.z**2, axis=1)),
         span=plates.span,
+        width=plates.width,
     )
 
 

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from footopt.compiled import inlined
-from footopt.walk.state import ankle_of, in_world, lowest
+from footopt.walk.state import ankle_of, in_world
 
 
 class Raw(NamedTuple):
@@ -145,12 +145,16 @@ def step_error(v0, v1, a0, a1, h):
 
 @inlined
 def sinkage_of(sole, poses, hip):
-    """Depth of the lowest plate of both feet below the surface, m; 0 when both are above."""
-    depth = 0.0
+    """Depth of the lowest end of a plate of both feet below the surface, m; 0 when both are above."""
+    depth, rows = 0.0, sole.plates
+    x, z, area, tx, tz = rows[0], rows[1], rows[4], rows[5], rows[6]
     for foot in range(2):
         ankle = in_world(ankle_of(poses, foot), hip)
         if ankle.z <= sole.reach:
-            depth = max(depth, -lowest(sole, ankle)[1])
+            for i in range(len(x)):
+                middle = ankle.z + ankle.sin * x[i] + ankle.cos * z[i]
+                rise = area[i] / sole.width * abs(ankle.sin * tx[i] + ankle.cos * tz[i])
+                depth = max(depth, 0.5 * rise - middle)
     return depth
 
 

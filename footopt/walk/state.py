@@ -58,6 +58,7 @@ class Sole(NamedTuple):
     blocks: Array  # (4, blocks): middle of a rectangle around each block, half its length and height, m
     reach: Any  # the sole's largest distance from the ankle, m
     span: Any  # length along the contour that a plate represents, m; 0 for chords
+    width: Any  # m
 
 
 class Part(NamedTuple):
@@ -194,7 +195,7 @@ def in_world(ankle, hip):
 def sole_at(soles, design):
     """One design's plates out of a batch's."""
     plates, blocks = borrowed(soles.plates)[design], borrowed(soles.blocks)[design]
-    return Sole(plates, blocks, soles.reach[design], soles.span[design])
+    return Sole(plates, blocks, soles.reach[design], soles.span[design], soles.width[design])
 
 
 @inlined

@@ -60,4 +60,4 @@ def blade(beta, length=0.016, width=0.016, parts=8):
     s = length * ((np.arange(parts) + 0.5) / parts - 0.5)
     columns = (s * math.cos(beta), s * math.sin(beta), math.cos(2 * beta), math.sin(2 * beta))
     columns = (*columns, length * width / parts, math.cos(beta), math.sin(beta), 0.0)
-    return Plates(*(np.full((1, parts), column) for column in columns), np.zeros(1))
+    return Plates(*(np.full((1, parts), column) for column in columns), np.zeros(1), np.full(1, width))

@@ -25,7 +25,8 @@ def recomputed(walk):
     joint = np.sum(walk.force * walk.velocity[:, None], axis=-1) - walk.power
     height = np.concatenate([[walk.start[1]], walk.com[:, 1]])
     work = abs(np.trapezoid(walk.power.sum(axis=1), t))
-    sample = walk.plates(np.arange(0, len(t), 10))
+    pose, (x, z) = walk.pose(np.arange(0, len(t), 10)), (walk.foot.contour - walk.foot.ankle).T
+    under = pose.z[..., None] + np.sin(pose.pitch)[..., None] * x + np.cos(pose.pitch)[..., None] * z
     return {
         "distance": walk.com[-1, 0],
         "mean_height": np.trapezoid(height, np.concatenate([[0.0], t])) / t[-1],
@@ -34,7 +35,7 @@ def recomputed(walk):
         "speed_loss": (np.maximum.accumulate(vx[late]) - vx[late]).max(),
         "joint_work": np.trapezoid(np.maximum(joint, 0).sum(axis=1), t),
         "cost_of_transport": work / (walker.mass * walker.g * walk.com[-1, 0]),
-        "maximum_sinkage": -sample.position[..., 1].min(),
+        "maximum_sinkage": -(walk.com[::10, 1, None, None] + under).min(),
         "peak_vertical_force": walk.force[..., 1].sum(axis=1).max(),
     }
 

@@ -155,11 +155,14 @@ function peak([a, b, c, d], [t0, t1, t2, t3]) {
   return 0.5 * (b - (0.25 * begins * begins) / left + (c - (0.25 * ends * ends) / right));
 }
 
-/** Depth of the lowest plate of both feet, m. */
+/** Depth of the lowest end of a plate of both feet, m. */
 function sinkage(sole, poses, p, z) {
   let depth = 0;
-  for (const o of [p + 14, p + 21]) for (let i = 0; i < sole.x.length; i++)
-    depth = Math.max(depth, -(z + poses[o + 1] + poses[o + 5] * sole.x[i] + poses[o + 4] * sole.z[i]));
+  for (const o of [p + 14, p + 21]) for (let i = 0; i < sole.x.length; i++) {
+    const middle = z + poses[o + 1] + poses[o + 5] * sole.x[i] + poses[o + 4] * sole.z[i];
+    const rise = sole.area[i] / P.foot.width * Math.abs(poses[o + 5] * sole.tx[i] + poses[o + 4] * sole.tz[i]);
+    depth = Math.max(depth, 0.5 * rise - middle);
+  }
   return depth;
 }
 
