@@ -106,6 +106,7 @@ class Contact:
             body["law"] = g * np.array(once.law)
             body["row"], body["first"], body["last"] = row, first, first + table.shape[1]
             body["reach"] = np.linalg.norm(table[:3], axis=0).max()
+            body["half"] = 0.5 * self.lines / foot.width
             tables.append(table.ravel())
             first += table.shape[1]
             _need_no_floor(model, row, body["reach"])

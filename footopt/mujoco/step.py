@@ -13,7 +13,7 @@ from numba.extending import intrinsic
 from numba.np.arrayobj import populate_array
 
 from footopt.compiled import called_fast, inlined, inlined_fast
-from footopt.mujoco.faces import COLUMNS, X, Y, Z, cross, dot, plus
+from footopt.mujoco.faces import AREA, COLUMNS, NX, NZ, X, Y, Z, cross, dot, plus
 
 AGAIN, NEW, HOLD, RESTART = range(4)
 
@@ -43,10 +43,11 @@ BODY = np.dtype(
         ("last", np.int64),  # one past the last of them
         ("law", float, 9),  # N/m^3: `sand.law.Law`
         ("reach", float),  # of its farthest face, m
+        ("half", float),  # length of a face over its area, half of it, 1/m
         ("near", np.int64),  # 1 if it may touch sand within the step
         ("height", float),  # of its origin in the middle of the step, m
         ("power", float),  # of the sand at the step's end, W
-        ("depth", float),  # of the deepest face at the step's beginning, m
+        ("depth", float),  # of the deepest end of a face at the step's beginning, m
     ]
 )
 
@@ -201,13 +202,16 @@ def begin(address, meaning):
             frame[a], frame[3 + a], frame[6 + a] = plus(axis, late, cross(spin, axis))
         body.height = height + late * vz
         turned = abs(spin[0]) + abs(spin[1])
-        margin, low = 2.0 * step.dt * (abs(vz) + turned * body.reach + 10.0 * step.dt), np.inf
+        margin = 2.0 * step.dt * (abs(vz) + turned * body.reach + 10.0 * step.dt)
+        low = end = np.inf
         if height - body.reach < margin:
             faces = space.faces[0, COLUMNS * body.first : COLUMNS * body.last]
             faces, up = faces.reshape(COLUMNS, body.last - body.first), (axes[6], axes[7], axes[8])
             for i in range(faces.shape[1]):
-                low = min(low, height + dot(up, (faces[X, i], faces[Y, i], faces[Z, i])))
-        body.depth, body.near = max(-low, 0.0), low < margin
+                middle = height + dot(up, (faces[X, i], faces[Y, i], faces[Z, i]))
+                rise = body.half * faces[AREA, i] * abs(up[0] * faces[NZ, i] - up[2] * faces[NX, i])
+                low, end = min(low, middle), min(end, middle - rise)
+        body.depth, body.near = max(-end, 0.0), low < margin
         any_near = any_near or low < margin
         if meaning == NEW:
             space.spent[WORK, b] += space.spent[PENDING, b]

@@ -178,7 +178,7 @@ def cost_of_transport(raw: Raw, scene: Simulator) -> Array:
 # f.(v_plate - v_COM) of each leg, summed; of a robot that of torque times speed of each actuator.
 quantity("joint_work", r"$W^+_{\mathrm{joint}}$", "J", maximise=False, worst=1e6, least=0.0)
 
-# Depth of the sole's deepest point below the sand at any step, m; of a robot's the deepest middle of a plate.
+# Depth of the sole's deepest point below the sand at any step, m.
 quantity("maximum_sinkage", r"$z_{\max}$", "m", maximise=False, worst=1e3, least=0.0)
 
 # Largest vertical force of both feet together at any step, N.

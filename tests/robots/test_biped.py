@@ -22,3 +22,10 @@ def test_biped_walks_on_sand_as_its_gait_says():
     assert found["distance"] == pytest.approx(2.1, rel=0.1)  # as the walker's, whose mass is at the hip
     assert found["tracking"] < 5.0  # deg
     assert np.mean(loads) == pytest.approx(60 * 9.81, rel=0.05)
+
+
+def test_its_sinkage_is_that_of_the_deepest_point_of_a_sole():
+    walk = fo.simulate(fo.Foot.flat(), fo.mujoco.Robot(duration=1.4), "draft")
+    pose, (x, z) = walk.pose(np.arange(len(walk.t))), (walk.foot.contour - walk.foot.ankle).T
+    under = pose.z[..., None] + np.sin(pose.pitch)[..., None] * x + np.cos(pose.pitch)[..., None] * z
+    assert walk.totals["maximum_sinkage"] == pytest.approx(-(walk.com[:, 1, None, None] + under).min())
