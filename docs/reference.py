@@ -25,6 +25,8 @@ HEAD = """# Reference of settings
 
 This page is made from the program (`docs/reference.py`), and a test holds it to that.
 `footopt --help sand` shows a group of it. A setting that names no study is read by all.
+Defaults are those without an option of a group; `sand=hard` and `accuracy=standard`, which a run
+selects, set others.
 """
 COLUMNS = ("setting", "default", "kind", "meaning", "allowed", "read by study=")
 

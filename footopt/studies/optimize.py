@@ -119,12 +119,14 @@ def _evaluated(study: Study, result: SearchResult, confirmed: Confirmation) -> F
     worst, of_best = float(under.worst[chosen]), float(under.worst[0])
     losses = {"worst_loss": worst, "worst_loss_of_best": of_best}
     entry = found.entry | {"to_print": {**foot_entry(foot), "laws": laws, **losses}}
-    same = f"To print: this foot. It loses at most {percent(worst)} to the best one known under each law."
+    same = f"To print: this foot. It loses at most {percent(worst)} to the best found for any law."
     if chosen == 0:
         return found._replace(entry=entry, to_print=foot, printed=(same,))
     own, *others = (law["change"][name] for law in laws)
     gain = f"{title(name)} {change(name, 1.0 + own, 1.0)} ({terminal.span(name, others)})"
-    told = f"{gain}; loses at most {percent(worst)} under any law, the first {percent(of_best)}."
+    told = (
+        f"{gain}; loses at most {percent(worst)} to the best found for any law, the first {percent(of_best)}."
+    )
     lines = (f"To print, chosen for all {len(laws)} laws: {terminal.describe_foot(foot)}", told)
     return found._replace(entry=entry, to_print=foot, printed=lines)
 
@@ -309,6 +311,6 @@ def _describe_ladder(problem: FootProblem) -> list[str]:
     worst = percent(found.error) if math.isfinite(found.error) else "some fail"
     missed = "" if found.error <= SHARE * accuracy.error else f", missed by random soles ({worst})"
     return [
-        f"Errors within {percent(accuracy.error)}{missed}: {numbers.plates} plates and steps of "
-        f"{1e3 * numbers.dt:.3g} ms at most, found in the time of {found.price / found.work:.0f} walks"
+        f"Errors of the five objectives within {percent(accuracy.error)}{missed}: {numbers.plates} plates and "
+        f"steps of {1e3 * numbers.dt:.3g} ms at most, found in the time of {found.price / found.work:.0f} walks"
     ]

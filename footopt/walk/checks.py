@@ -39,7 +39,7 @@ WHY = {
     "pitch of the more level foot at the start":
         "z of a foot's body is up where its sole is level; put a body with such axes into it, and name that",
     "floor of J_W over what is below it":
-        "J_W counts no less than 1 J, 1 W and 0.001 m/s: does the walk end too soon to be judged by it?",
+        "J_W counts no less than 1 J, 1 W and 0.001 m/s; a later scene.t_f may be fairer",
 }  # fmt: skip
 RARE = tuple(WHY)[5:]  # told only where they are beyond their limit
 
@@ -106,18 +106,19 @@ def diagnose(walk: Walk) -> list[Diagnostic]:
     counts = max(floor / max(walk.totals.get(name, floor), 1e-300) for name, floor in FLOORS.items())
     total_force, total_power = max(size.sum(), 1e-300), max(power.sum(), 1e-300)
     trailing, sinks = power[vn < 0].sum(), 0.0 if walk.scene.holds else creep_while_standing(walk)
+    steps = len(walk.scene.strikes)  # a walker that stands does no work to speak of
     rows = (  # the value, its unit, and its limit
         (walk.totals.get("maximum_sinkage", float(depth.max())), "m", walk.foot.width),
         (ankle_depth(walk), "m", 0.0),
         (float((size * speed).sum() / total_force), "m/s", 0.5),
         (float(inertia.sum() / total_force), "", math.inf if counted else 0.05),
-        (float(trailing / total_power), "", 0.2),
+        (float(trailing / total_power) if steps else 0.0, "", 0.2),
         (sinks, "m", 1e-3),
         (-walk.scene.sand.stress_map.dissipation(), "N/cm^3", 0.0),  # no error bound holds beyond it
         (slender, "", 0.8),  # from 0.1 to 0.5 of animals and robots
         (1.0 / slender, "", 20.0),
         (float(np.degrees(np.abs(walk.pitch(walk.t[:1])).min())), "deg", 10.0),
-        (counts if walk.feasible else 0.0, "", 1.0),
+        (counts if walk.feasible and steps else 0.0, "", 1.0),
     )
     found = [Diagnostic(name, *row, why) for (name, why), row in zip(WHY.items(), rows, strict=True)]
     return [d for d in found if d.outside or d.name not in RARE]
