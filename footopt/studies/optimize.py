@@ -311,6 +311,6 @@ def _describe_ladder(problem: FootProblem) -> list[str]:
     worst = percent(found.error) if math.isfinite(found.error) else "some fail"
     missed = "" if found.error <= SHARE * accuracy.error else f", missed by random soles ({worst})"
     return [
-        f"Errors of the five objectives within {percent(accuracy.error)}{missed}: {numbers.plates} plates and "
-        f"steps of {1e3 * numbers.dt:.3g} ms at most, found in the time of {found.price / found.work:.0f} walks"
+        f"Errors of the five within {percent(accuracy.error)}{missed}: {numbers.plates} plates and steps of "
+        f"{1e3 * numbers.dt:.3g} ms at most, found in the time of {found.price / found.work:.0f} walks"
     ]
