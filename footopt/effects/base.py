@@ -8,7 +8,8 @@ with one or more of three methods, which are compiled into the loop over plates:
   effects before it (the plain law's is the depth itself), at a depth (m) and a place (m).
 - ``gate(self, lead, depth)``: the share of the stress that a plate feels, from how far it leads: n.v over
   the speeds along the normal within the plate; where the scene has bristles, n.h over
-  `footopt.walk.contact.EDGE`. It leads as a whole from 1 on and trails from -1 on.
+  `footopt.walk.contact.EDGE`, of robots `footopt.mujoco.faces.EDGE`. It leads as a whole from 1 on, and
+  trails from -1 on.
 - ``push(self, vn, depth)``: a pressure against the outward normal, Pa, at a speed n.v along it, m/s.
 
 The force on a plate of area dA is then zeta load share (a - M h) dA - push n dA. Their arguments

@@ -7,14 +7,12 @@ from footopt.effects.base import Effect
 from footopt.effects.dual import clipped, positive
 from footopt.errors import check
 
-SKIN = 1e-3  # m: a plate throws all of it aside from this depth on, and in proportion above it
-
 
 class InertiaLaw(NamedTuple):
     """lambda rho, kg/m^3, and the depth from which on a plate throws all of it aside, m."""
 
     density: float
-    skin: float = SKIN
+    skin: float
 
     def push(self, vn, depth):
         """lambda rho (n.v)^2, in proportion to the depth within the skin."""
@@ -36,6 +34,9 @@ class Inertia(Effect, name="inertia"):
         lambda, the factor of the inertial stress rho v^2, without a unit.
     rho : float, kg/m^3
         Bulk density of the sand (quartz sand about 1600).
+    skin : float, m
+        Depth from which on a plate throws all of it aside, and in proportion above it, so that no plate meets
+        a jump. Numerical: of a small walker smaller, in proportion to its size.
 
     Raises
     ------
@@ -45,13 +46,15 @@ class Inertia(Effect, name="inertia"):
 
     factor: float = 1.1
     rho: float = 1600.0
+    skin: float = 1e-3
     literature, is_inertia, in_page = True, True, True
 
     def __post_init__(self) -> None:
         check(0 <= self.factor <= 1e3, "effects.inertia.factor", self.factor, "a number >= 0 and <= 1000")
         check(0 <= self.rho <= 1e5, "effects.inertia.rho", self.rho, "a density >= 0 and <= 1e5, in kg/m^3")
+        check(1e-9 <= self.skin <= 1, "effects.inertia.skin", self.skin, "a depth from 1e-9 to 1, in m")
 
     @property
     def law(self) -> InertiaLaw:
-        """lambda rho."""
-        return InertiaLaw(self.factor * self.rho)
+        """lambda rho, and the skin."""
+        return InertiaLaw(self.factor * self.rho, self.skin)

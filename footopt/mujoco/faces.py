@@ -20,8 +20,9 @@ from footopt.compiled import inlined_fast
 from footopt.effects import base as effects
 from footopt.effects.dual import Dual, lift
 from footopt.sand.law import Law
-from footopt.walk.contact import EDGE, rsqrt
+from footopt.walk.contact import rsqrt
 
+EDGE = 0.05  # n.h over which an effect's gate opens; at less, robots on hard sand diverge
 #: Rows of a table of faces: place, m; area, m^2; outward normal; <n n>'s xx, xz and zz.
 X, Y, Z, AREA, NX, NY, NZ, QXX, QXZ, QZZ, COLUMNS = range(11)
 

@@ -82,7 +82,7 @@ def traced(robot: Any, foot: Foot, accuracy: Accuracy, found: Found) -> RobotWal
         power=found.sand[:end, :, 3],
         work=found.sand[:end, :, 4],
         start=found.com[0, AXES],
-        bristles=bristles_in_world(found.bristles[:end], turned, accuracy.plates),
+        bristles=bristles_in_world(found.bristles[:end], turned, foot.plates(accuracy.plates).x.shape[1]),
         reason=found.reason,
         totals={name: found.totals.get(name, math.nan) for name in robot.quantities},
         evaluations=found.evaluations,

@@ -27,7 +27,7 @@ from footopt.walk.state import ALOFT, LANES, Ankle, Contact, Force, Motion, ankl
 TURN = 0.25  # of a plate's direction: this share of the difference in speed along a plate that rotates
 EXPOSED = 0.5  # of a gate: this share of the same
 BENT = 0.75  # of a gate: this share of the angle by which the contour turns within a plate
-EDGE = 0.05  # n.h over which an effect's gate opens where bristles say how a plate moves
+EDGE = 0.005  # n.h over which an effect's gate opens where bristles say how a plate moves
 
 # speeds at which the walker stands down at first
 DOWN = 2.0**-30  # m/s: too slow to change a pressure of an effect, and a power of two, which rounds nothing

@@ -48,11 +48,12 @@ class Extremes(NamedTuple):
     sinkage: float  # m
     left: Four  # |P| of the left foot, W
     right: Four
+    both: Four  # vertical force of both feet, N
     times: Four  # s
 
 
 #: Of a walk that has not begun.
-NO_EXTREMES = Extremes(-np.inf, 0.0, 0.0, 0.0, 0.0, *[Four(0.0, 0.0, 0.0, 0.0)] * 3)
+NO_EXTREMES = Extremes(-np.inf, 0.0, 0.0, 0.0, 0.0, *[Four(0.0, 0.0, 0.0, 0.0)] * 4)
 
 
 @inlined
@@ -65,7 +66,7 @@ def updated(extremes, before, after, a0, a1, t, h, strike, sinkage):
     now, v0, v1 = after.contact, before.hip.vx, after.hip.vx
     speed, fall, power = extremes.speed, extremes.fall, extremes.power
     left, right = _next(extremes.left, abs(now.left.power)), _next(extremes.right, abs(now.right.power))
-    times = _next(extremes.times, t)
+    both, times = _next(extremes.both, now.left.z + now.right.z), _next(extremes.times, t)
     if t > strike - 1e-9:  # objectives that begin with the first heel strike
         if speed == -np.inf:
             share = min(max(1.0 - (t - strike) / h, 0.0), 1.0)
@@ -80,8 +81,10 @@ def updated(extremes, before, after, a0, a1, t, h, strike, sinkage):
         power = max(power, max(left.last, right.last))
         if times.second > strike - 1e-9:
             power = max(power, max(peak(left, times), peak(right, times)))
-    force = max(extremes.force, now.left.z + now.right.z)
-    return Extremes(speed, fall, power, force, max(extremes.sinkage, sinkage), left, right, times)
+    force = max(extremes.force, both.last)
+    if times.first > 0.0:  # four steps
+        force = max(force, peak(both, times))
+    return Extremes(speed, fall, power, force, max(extremes.sinkage, sinkage), left, right, both, times)
 
 
 @inlined

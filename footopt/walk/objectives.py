@@ -181,7 +181,7 @@ quantity("joint_work", r"$W^+_{\mathrm{joint}}$", "J", maximise=False, worst=1e6
 # Depth of the sole's deepest point below the sand at any step, m.
 quantity("maximum_sinkage", r"$z_{\max}$", "m", maximise=False, worst=1e3, least=0.0)
 
-# Largest vertical force of both feet together at any step, N.
+# Largest vertical force of both feet together, N; between steps that of a parabola, as for the power.
 quantity("peak_vertical_force", r"$F_{z,\max}$", "N", maximise=False, worst=1e9, least=0.0)
 
 # Root of the mean square by which a robot's servos miss their commands, over time and joints, rad.

@@ -13,7 +13,6 @@ import footopt as fo
 from footopt.effects import Inertia, laws
 from footopt.effects import base as effects
 from footopt.effects.dual import Dual
-from footopt.effects.inertia import SKIN
 
 
 class TestInertia:
@@ -40,7 +39,7 @@ class TestInertia:
     @given(st.floats(0.0, 2.0))
     def test_a_plate_gets_wet_in_proportion_to_its_depth(self, skins):
         """A level plate moving down: beyond the law's own force, lambda rho A v^2 times the share."""
-        speed, area, z = 0.5, 0.016 * 0.016, -skins * SKIN
+        speed, area, z = 0.5, 0.016 * 0.016, -skins * fo.Inertia.skin
         state = blade(0.0), DOWN, 0.0, -speed
         thrown = force(*state, Inertia(1.1, 900.0), z=z) - force(*state, z=z)
         expected = [0.0, 990.0 * area * speed**2 * min(skins, 1.0)]
@@ -48,7 +47,7 @@ class TestInertia:
 
     @given(st.floats(-2.0, 2.0), st.floats(1e-6, 3e-3))
     def test_push_has_its_derivatives(self, vn, depth):
-        assume(abs(depth - SKIN) > 1e-6)
+        assume(abs(depth - fo.Inertia.skin) > 1e-6)
         found = laws([Inertia()]).pushes
 
         def push(du, dd):

@@ -49,6 +49,14 @@ class TestTheRobot:
         assert load.mean() == pytest.approx(biped.weight, rel=0.01)
         assert np.ptp(walk.com[:, 1]) < 3e-3
 
+    def test_a_closed_foot_is_traced_as_it_is_evaluated(self, biped):
+        foot = fo.Foot.shape("ellipse", closed=True)
+        walk = fo.simulate(foot, biped, COARSE)
+        assert walk.bristles.shape[2] == walk.sole.x.shape[1] > COARSE.plates
+        assert walk.objectives["work"] == pytest.approx(
+            fo.evaluate([foot], biped, COARSE, "work").values[0, 0]
+        )
+
     def test_density_gives_feet_the_inertia_of_their_soles(self, biped):
         """A box, and a triangle whose legs are the side at the toe and the top; its corner is the ankle."""
         a, b, w, rho = 0.2, 0.03, 0.08, 700.0

@@ -122,11 +122,12 @@ class TestSymmetriesOfTheWalk:
         With s = 4 all factors are powers of 2, so that not even rounding differs.
         """
         s, accuracy = 4.0, fo.Accuracy(stepper, 2**-9, 50, 1e-4)
-        small = fo.simulate(ramp_foot, fo.Scene(sand=fo.Sand(1.0)), accuracy)
+        small = fo.simulate(ramp_foot, fo.Scene(sand=fo.Sand(1.0), effects=(fo.Inertia(),)), accuracy)
         big_scene = fo.Scene(
             sand=fo.Sand(1.0),
             gait=fo.Gait.human(period=1.2 * s**0.5, start=0.5 * s**0.5),
             walker=fo.Walker(mass=60 * s**3, l1=0.47 * s, l2=0.45 * s),
+            effects=(fo.Inertia(skin=fo.Inertia.skin * s),),
         )
         big_foot = fo.Foot.from_waypoints(RAMP, L=0.13 * s, H=0.03 * s, width=0.1 * s)
         big_accuracy = replace(accuracy, dt=accuracy.dt * s**0.5, creep=accuracy.creep * s**0.5)

@@ -187,7 +187,7 @@ function walkPlates(sole, zeta, mass, dt = P.accuracy.dt, repeat = 0) {
   now.z = height;
   contact(W, sole, pose0, 0, 0, height, 0, 0, P.accuracy.creep, 0, now.force);
   let speed = -Infinity, fall = 0, power = 0, force = 0, deepest = 0, n = 0, place = 0, level = finest;
-  const lefts = [0, 0, 0, 0], rights = [0, 0, 0, 0], ends = [0, 0, 0, 0]; // |P| of both feet at the last four steps
+  const lefts = [0, 0, 0, 0], rights = [0, 0, 0, 0], both = [0, 0, 0, 0], ends = [0, 0, 0, 0]; // |P| and force of the last four steps
   while (n < times.length - 1) {
     const stride = 1 << (finest - level), h = (times[n + 1] - times[n]) / (1 << level);
     const index = (n << level) + place / stride, p = poses(level, index);
@@ -214,10 +214,12 @@ function walkPlates(sole, zeta, mass, dt = P.accuracy.dt, repeat = 0) {
     for (let s = 0; s < 3; s++) {
       lefts[s] = lefts[s + 1];
       rights[s] = rights[s + 1];
+      both[s] = both[s + 1];
       ends[s] = ends[s + 1];
     }
     lefts[3] = left;
     rights[3] = right;
+    both[3] = F[1] + F[8];
     ends[3] = t;
     if (t > strike - 1e-9) { // objectives that begin with the first heel strike
       if (speed === -Infinity) {
@@ -234,7 +236,7 @@ function walkPlates(sole, zeta, mass, dt = P.accuracy.dt, repeat = 0) {
       power = Math.max(power, left, right);
       if (ends[1] > strike - 1e-9) power = Math.max(power, peak(lefts, ends), peak(rights, ends));
     }
-    force = Math.max(force, F[1] + F[8]);
+    force = Math.max(force, both[3], ends[0] > 0 ? peak(both, ends) : 0);
     deepest = Math.max(deepest, sinkage(sole, tables[level], p, after.z));
     [now, after] = [after, now];
     rows.set([t, now.x, now.z, now.vx, now.vz, F[0], F[1], F[7], F[8], F[2], F[9], now.sums[0], now.sums[1]], TRACE * made);
