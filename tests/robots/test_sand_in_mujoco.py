@@ -7,6 +7,7 @@ import footopt as fo
 from footopt.effects import Inertia, Layers, LeadingEdge, Rest
 from footopt.gait import Pose
 from footopt.mujoco import attach
+from footopt.mujoco.faces import EDGE
 from footopt.walk.plates import plate_states
 
 mujoco = pytest.importorskip("mujoco")
@@ -108,8 +109,8 @@ def test_planar_walker_agrees_with_simulate_on_random_soles_and_sands():
 def test_forces_are_those_of_the_planar_law_with_its_effects(block, effects):
     _, _, contact = block(effects=effects, foot=HOLLOW, plates=128)
     scene = fo.Scene(sand=HARD, effects=effects)
-    plates, rng = HOLLOW.plates(64), np.random.default_rng(3)
-    for _ in range(20):
+    plates, rng, tried = HOLLOW.plates(64), np.random.default_rng(3), 0
+    while tried < 20:
         pitch, vx, vz, rate = rng.uniform(-0.6, 0.6), *rng.uniform(-1, 1, 2), rng.uniform(-4, 4)
         height = rng.uniform(-0.05, 0.04)
         cos, sin, none = np.cos(pitch), np.sin(pitch), np.zeros((1, 1))
@@ -119,6 +120,10 @@ def test_forces_are_those_of_the_planar_law_with_its_effects(block, effects):
         h = moving.velocity / np.linalg.norm(moving.velocity, axis=-1, keepdims=True)
         states = plate_states(plates, pose, place, np.array([[vx, vz]]), world, 1e-4, h)
         each, (rx, rz) = states.force[0, 0], states.position[0, 0].T - [[0.0], [height]]
+        gates = abs(np.sum(states.normal * h, axis=-1)) > EDGE  # of a robot they open more gradually
+        if not (gates | (states.depth == 0.0)).all() and effects:
+            continue
+        tried += 1
         twist = (cos * vx + sin * vz, 0.0, -sin * vx + cos * vz, 0.0, -rate, 0.0)
         wrench, _ = feel(contact, np.array([sin, 0.0, cos]), twist, height)
         found = cos * wrench[0] - sin * wrench[2], sin * wrench[0] + cos * wrench[2]
