@@ -72,7 +72,7 @@ class Store(AbstractContextManager["Store"]):
         What differs between this program and the one that walked the designs of the same settings; empty
         where there are none of others, or there are own ones.
     nearest : list of str
-        What differs from the problem with designs that differs least; empty where there are own designs.
+        How this problem differs from the most similar one in the file; empty where it has designs itself.
 
     Raises
     ------
