@@ -17,7 +17,7 @@ from numba.core.ccallback import CFunc
 from numba.extending import intrinsic
 
 from footopt.arrays import Array
-from footopt.compiled import FAST, kept
+from footopt.compiled import FAST, Wide, kept
 from footopt.errors import check, needed
 
 NAME, INSTANCE, SIZE = "footopt.sand", "footopt_sand", "size"
@@ -65,7 +65,7 @@ def functions(*names: str) -> tuple[int, ...]:
 def entry(function: Callable[..., Any], *arguments: Any, returns: Any = types.void, keep: bool = True) -> Any:
     """A function in C, compiled once and kept on disk: what calls it by its address does not compile it."""
     options = {"error_model": "numpy", "fastmath": FAST, "_nrt": False}
-    made = CFunc(function, (arguments, returns), {}, options)
+    made = CFunc(function, (arguments, returns), {}, options, pipeline_class=Wide)
     made = kept(made) if keep else made
     made.compile()
     return made

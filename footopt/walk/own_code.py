@@ -8,9 +8,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from numba import njit
-
-from footopt.compiled import cached_njit
+from footopt.compiled import cached_njit, wide_njit
 from footopt.effects.base import HOOKS
 
 
@@ -55,4 +53,4 @@ def compiled_for(function: Callable[..., Any], laws: Sequence[Any], stepper: Any
     """
     own = own_code(laws, stepper)
     key = digest_of(tuple(thing for thing in own if not isinstance(thing, type)))
-    return _compiled(function, key, njit if own else cached_njit)
+    return _compiled(function, key, wide_njit if own else cached_njit)
