@@ -32,18 +32,20 @@ from footopt.walk.own_code import is_own, own_code, source_of
 from footopt.walk.steppers import STEPPERS
 
 APPLICATION = int.from_bytes(b"foot")  # marks the file as ours (SQLite's application_id)
-LAYOUT = 4  # of the tables below (SQLite's user_version)
+LAYOUT = 5  # of the tables below (SQLite's user_version)
 PATIENCE = 30.0  # s, for another process that writes
 ERROR = "error:"  # what the reason of a design begins with whose walk has raised an exception
 #: Of a key, what no setting says: the same settings may be walked by other code, on another machine.
 CODE = ("own", "versions", "machine")
+HEIGHT, VALUE = "<i4", "<f8"  # of heights and values in its tables
+ASKED = 1000  # designs at a time: SQLite takes 32,766 arguments
 SHOWN = 4  # differences between two keys that a message names
 _CANONICAL = json.JSONEncoder(sort_keys=True, separators=(",", ":"))
 
 TABLES = """
 CREATE TABLE context (id INTEGER PRIMARY KEY, digest TEXT NOT NULL UNIQUE, description TEXT NOT NULL);
 CREATE TABLE design (
-    context INTEGER NOT NULL, k TEXT NOT NULL, record TEXT NOT NULL, reason TEXT NOT NULL,
+    context INTEGER NOT NULL, k BLOB NOT NULL, record BLOB NOT NULL, reason TEXT NOT NULL,
     PRIMARY KEY (context, k)
 ) WITHOUT ROWID;
 """
@@ -119,20 +121,24 @@ class Store(AbstractContextManager["Store"]):
 
         The reason of a design that is not known is `ERROR`.
         """
-        marks = ", ".join("?" * len(self._read_from))
-        query = f"SELECT k, record, reason FROM design WHERE context IN ({marks}) "
-        query += "AND k IN (SELECT value FROM json_each(?)) ORDER BY context = ?"  # its own last: they count
-        keys = _texts(k)
+        query = (
+            "SELECT k, record, reason FROM design WHERE context IN ({}) AND k IN ({}) ORDER BY context = ?"
+        )
+        known: dict[bytes, Sequence[Any]] = {}
+        keys, width = _bytes(k, HEIGHT), len(self.problem.record)
         with self._explained() as connection:
-            rows = connection.execute(query, (*self._read_from, canonical(keys), self._id))
-            known = {key: (json.loads(record), reason) for key, record, reason in rows}
-        unknown = [None] * len(self.problem.record), ERROR
-        found = [known.get(key, unknown) for key in keys]
-        return np.array([record for record, _ in found], float), np.array([why for _, why in found], object)
+            for some in (keys[i : i + ASKED] for i in range(0, len(keys), ASKED)):
+                marks = (", ".join("?" * len(names)) for names in (self._read_from, some))
+                rows = connection.execute(query.format(*marks), (*self._read_from, *some, self._id))
+                known |= {key: rest for key, *rest in rows}  # its own come last: they count
+        unknown = np.full(width, np.nan).tobytes(), ERROR
+        records, reasons = zip(*(known.get(key, unknown) for key in keys), strict=True)
+        return np.frombuffer(bytearray().join(records), VALUE).reshape(-1, width), np.array(reasons, object)
 
     def add(self, k: Ints, values: Array, reasons: Words) -> None:
         """Keep designs, all or none; what is known stays, unless its walk had raised an exception."""
-        rows = [(self._id, *one) for one in zip(_texts(k), _texts(values), reasons.tolist(), strict=True)]
+        columns = _bytes(k, HEIGHT), _bytes(values, VALUE), reasons.tolist()
+        rows = [(self._id, *one) for one in zip(*columns, strict=True)]
         with self._explained() as connection, _transaction(connection):
             connection.executemany(ADD, rows)
 
@@ -215,10 +221,10 @@ def _transaction(connection: sqlite3.Connection) -> Iterator[None]:
         yield
 
 
-def _texts(rows: Array | Ints) -> list[str]:
-    """Rows of numbers as JSON with all their digits, as SQLite reads it, too: null for NaN."""
-    text = canonical(rows.tolist()).replace("NaN", "null").replace("Infinity", "9e999")
-    return [f"[{row}]" for row in text[2:-2].split("],[")][: len(rows)]
+def _bytes(rows: Array | Ints, kind: str) -> list[bytes]:
+    """Rows of numbers as they are kept."""
+    columns = np.ascontiguousarray(rows, kind)
+    return columns.view(f"V{columns.itemsize * columns.shape[1]}").ravel().tolist()
 
 
 def key_of(problem: FootProblem) -> dict[str, Any]:
