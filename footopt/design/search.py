@@ -99,7 +99,7 @@ def search(
         began = time.perf_counter()
         try:
             with threadpool_limits(1, "blas"):  # too little for threads, which would wait for each other
-                stopped = _ask_and_tell(archive, algorithm, solver, tell, most)
+                stopped = _ask_and_tell(archive, algorithm, solver, tell, most, bool(stop or solver.n_gen))
         except KeyboardInterrupt:
             interrupted = True
         result = archive.result(solver, time.perf_counter() - began, interrupted, evaluator.reused)
@@ -147,14 +147,16 @@ def _line(g: Generation) -> None:
     print(f"\r{f'{where}, {value}, {g.seconds:.1f} s':<78}", end="", file=sys.stderr, flush=True)
 
 
-def _ask_and_tell(archive: Archive, algorithm: Any, solver: Solver, progress: Any, most: float) -> str:
+def _ask_and_tell(
+    archive: Archive, algorithm: Any, solver: Solver, progress: Any, most: float, stops: bool
+) -> str:
     """Ask for a generation, walk what is new of it, tell the algorithm, and so on; why that was stopped."""
     began = time.perf_counter()
     while len(archive.known) < most:
         proposed = algorithm.ask() if algorithm.has_next() else None
         if proposed is None:
-            end = algorithm.termination  # or it has found nothing new
-            ended = end.has_terminated() and not end.force_termination
+            end = algorithm.termination
+            ended = stops and end.has_terminated() and not end.force_termination
             ended = ended or len(archive.history) == solver.n_gen or solver.name == EXHAUSTIVE
             return "" if ended else ENOUGH
         k = whole(proposed.get("X"), archive.problem)

@@ -46,7 +46,7 @@ class Tracker:
 
     def __post_init__(self) -> None:
         for name, angle in self.joints.items():
-            check(angle.removeprefix("-") in LEGS, f"joints.{name}", angle, f"one of {', '.join(LEGS)}")
+            check(angle.removeprefix("-") in LEGS, f"robot.joints.{name}", angle, f"one of {', '.join(LEGS)}")
 
     @property
     def duration(self) -> float:
@@ -70,12 +70,12 @@ class Tracker:
             row = [i for i in range(model.njnt) if model.joint(i).name == name]
             if not row:
                 names = ", ".join(model.joint(i).name for i in range(model.njnt))
-                raise SettingError("joints", name, f"a joint of the model: {names}")
+                raise SettingError("robot.joints", name, f"a joint of the model: {names}")
             acts = np.flatnonzero((model.actuator_trntype == 0) & (model.actuator_trnid[:, 0] == row[0]))
             stiffness = (model.actuator_gainprm[i, 0] + model.actuator_biasprm[i, 1] for i in acts)
             kinds = zip(model.actuator_biastype[acts], model.actuator_gear[acts, 0], stiffness, strict=True)
             allowed = "turned by one position servo with a gear of 1"
-            check([*kinds] == [(1, 1, 0)], "joints", name, allowed, "Or take a controller of your own.")
+            check([*kinds] == [(1, 1, 0)], "robot.joints", name, allowed, "Or take a controller of your own.")
             found[int(acts[0])] = name
         return found
 

@@ -86,13 +86,13 @@ class Output:
         files.write_csv(self.folder / name, dict(zip(header, zip(*rows, strict=True), strict=True)))
 
     def save(self, name: str, figure: Any, caption: str = "") -> None:
-        """Save a figure as PNG if wanted, and as PDF to print; with a caption as SVG for the page."""
+        """Save a figure, or what a function draws, as PNG if wanted, PDF to print, SVG with a caption."""
         if not self.wants_figures:
             return
         from footopt.report import figures
 
         formats = ["png"] + ["pdf"] * (self.report == "print") + ["svg"] * bool(caption)
-        figures.save(figure, self.folder / "figures", name, formats)
+        figures.save(figure() if callable(figure) else figure, self.folder / "figures", name, formats)
         if caption:
             self._captions[name] = caption
 

@@ -74,7 +74,8 @@ def run(study: Study) -> None:
             step(news=method)
     others, presets = measured[: -len(preset)], measured[-len(preset) :]
     study.write_csv("accuracy.csv", [*measured[0].row], [[*m.row.values()] for m in measured])
-    study.save("accuracy", work_precision([m for m in others if np.isfinite(m.error)], presets), CAPTION)
+    shown = [m for m in others if np.isfinite(m.error)]
+    study.save("accuracy", lambda: work_precision(shown, presets), CAPTION)
     entry = {"seed": study.config.solver.seed, "feet": feet.tolist(), "presets": [m.row for m in presets]}
     study.conclude(
         "The cost of accuracy",

@@ -32,7 +32,7 @@ def run(study: Study) -> None:
     outline, width = MM * body_outline(foot, block), MM * foot.width
     area, size = float(Polygon(outline).area), [*np.ptp(outline, axis=0).tolist(), width]
     sides = " x ".join(f"{value:.4g}" for value in size)
-    study.save("contour", figures.contour(foot), "The sole of every file, with its ankle (+), in mm.")
+    study.save("contour", lambda: figures.contour(foot), "The sole of every file, with its ankle (+), in mm.")
     rows = [(path.name, HOLDS[path.suffix], f"{1e-3 * path.stat().st_size:.1f}") for path in written]
     study.conclude(
         "A foot to make",

@@ -75,7 +75,7 @@ def run(study: Study) -> None:
         files.write_csv(study.folder / "designs.csv", result.columns)
         write_foot(foot, study.folder / "contour.dxf")
     shown = soles if len(soles) <= 1 + SHOWN else {ROBUST: soles[ROBUST]}
-    study.save("contours", figures.contours(shown), "The specialists' soles and the robust one.")
+    study.save("contours", lambda: figures.contours(shown), "The specialists' soles and the robust one.")
     measured = zip(judge.record, judge.walk(k[-1][None])[0][0].tolist(), strict=True)
     lost = {"regret (mean)": float(regrets[-1].mean()), "regret (worst)": float(regrets[-1].max())}
     entry: dict[str, Any] = {  # no value is that of a walk

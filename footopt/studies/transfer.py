@@ -67,7 +67,7 @@ def run(study: Study) -> None:
         )
         found.append(_compared(study, sand, sides, names[0], solver))
         study.say(describe(found[-1], names[0]))
-    study.save("transfer", draw(found, names[0]), CAPTION)
+    study.save("transfer", lambda: draw(found, names[0]), CAPTION)
     entry: dict[str, Any] = {"seed": solver.seed, "solver": asdict(solver), "objective_names": names}
     entry["search_accuracy"] = asdict(numerics(study.accuracy, robot, study.space))
     entry["transfer"] = [

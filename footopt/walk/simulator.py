@@ -163,7 +163,7 @@ class FunctionSimulator(Simulator):
             if lacking := [name for name in self.quantities if name not in found]:
                 raise SettingError("quantities", ", ".join(lacking), f"made of {', '.join(found)}")
             row[:] = [found[name] for name in self.quantities]
-            reasons.append("" if np.isfinite(row).all() else "diverged")
+            reasons.append("" if np.isfinite(row).all() else "a value is not finite")
         return Walked(raw, np.array(reasons, np.str_), np.ones(len(feet), np.int64))
 
     def own(self) -> tuple[Any, ...]:

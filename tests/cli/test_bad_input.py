@@ -60,7 +60,9 @@ LIKEWISE = {
     "study=transfer study.sands=[mud]": "study.sands",
     "simulator=robot robot.model=mine.xml": "robot.model",
     "simulator=biped robot.feet=[left_foot,right_foot,torso]": "robot.feet",
-    "simulator=biped robot.joints={knee:left_hip}": "joints = 'knee'",
+    "solver.name=moo.rnsga2.RNSGA2 objective=pareto": "ref_points",
+    "solver.name=soo.nonconvex.ga.FitnessSurvival": "solver.name",
+    "simulator=biped robot.joints={knee:left_hip}": "robot.joints = 'knee'",
 }
 
 

@@ -212,7 +212,7 @@ class TestTheRobot:
                 "robot.model",
                 {"model": BIPED.read_text().replace('slide" axis="0 0 1"', 'hinge" axis="0 0 1"')},
             ),
-            ("joints", {"controller": fo.mujoco.Tracker(joints={"left_hop": "left_hip"})}),
+            ("robot.joints", {"controller": fo.mujoco.Tracker(joints={"left_hop": "left_hip"})}),
             ("commands", {"controller": fo.mujoco.Commands([0.0, 1.0], {"no_motor": [0.0, 0.0]})}),
             ("robot.controller", {"controller": 3}),
             ("robot.duration", {"duration": -1.0}),

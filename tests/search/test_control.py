@@ -32,6 +32,15 @@ class TestStop:
         assert said.count("\n") == 1
         assert said.endswith("\n")
 
+    def test_a_local_search_that_asks_for_the_same_again_is_told_and_a_plan_is_not(self):
+        from pymoo.algorithms.soo.nonconvex.nelder import NelderMead
+
+        again = search(problem(), NelderMead(), walks=300)
+        assert again.designs < 300
+        assert "nothing more" in again.stopped
+        assert search(problem(), NelderMead(), n_gen=2).stopped == ""
+        assert search(problem(), NelderMead(), stop=("n_gen", 2)).stopped == ""
+
     def test_after_a_time(self):
         found = search(problem(), "ga", seconds=1e-9, **BUDGET)
         assert len(found.history) == 1

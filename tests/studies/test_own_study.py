@@ -9,6 +9,7 @@ from study_pages import check_page
 
 from footopt import studies
 from footopt.errors import SettingError
+from footopt.report import figures
 from footopt.studies.runs import run_study
 
 PLUGIN = """
@@ -19,7 +20,7 @@ from footopt.studies import STUDIES, StudySettings
 
 
 def run(study):
-    study.save("contour", figures.contour(study.foot), "The sole.")
+    study.save("contour", lambda: figures.contour(study.foot), "The sole.")
     table = terminal.table(("hollow (mm)",))
     table.add_row(f"{study.options.times * study.foot.hollow:.1f}")
     found = {"objectives": {"hollow": study.foot.hollow}}
@@ -56,3 +57,5 @@ def test_it_is_found_by_its_name(tmp_path, capsys, monkeypatch):
     assert (result["units"], result["maximise"]) == ({"hollow": "m"}, {"hollow": False})
     assert (result["study"], result["settings"]) == ("hollow", {"any": 1})
     assert "It is hollow." in capsys.readouterr().out
+    monkeypatch.setattr(figures, "contour", None)  # not to be called
+    run_study(composed("study=hollow", "report=none", *words), tmp_path / "none", {})

@@ -179,16 +179,23 @@ def by_class(solver: Solver, n_obj: int) -> Any:
         algorithm = getattr(import_module(f"{home}.{module}"), name)
     except (ImportError, AttributeError) as error:
         raise SettingError("solver.name", solver.name, "a class of pymoo.algorithms", f"{error}") from None
+    from pymoo.core.algorithm import Algorithm
     from pymoo.core.repair import NoRepair
 
     from footopt.design.solvers.operators import by_runs, operators, reference_directions
 
+    kind = isinstance(algorithm, type) and issubclass(algorithm, Algorithm)
+    check(kind, "solver.name", solver.name, "a class of an algorithm", "Try soo.nonconvex.de.DE")
     takes = inspect.signature(algorithm).parameters
     size = solver.pop_size if solver.name in BEST else solver.size
     given: dict[str, Any] = {"pop_size": size} if "pop_size" in takes else {}
     if "ref_dirs" in takes:
         given["ref_dirs"] = reference_directions(n_obj, solver.size)
     if solver.name not in GENETIC:
+        needs = [n for n, p in takes.items() if p.default is p.empty and p.kind < p.VAR_POSITIONAL]
+        needs = [n for n in needs if n not in given]
+        hint = f"In Python: fo.search(problem, {name}(...))"
+        check(not needs, "solver.name", solver.name, f"an algorithm that takes no {', '.join(needs)}", hint)
         return algorithm(**given)
     runs = n_obj > 1 and solver.operators is None
     built = algorithm(**given, **(by_runs() if runs else operators(**(solver.operators or {}))))

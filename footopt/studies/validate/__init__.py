@@ -9,6 +9,7 @@ import tomllib
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from importlib.resources import files
 from typing import Any
 
@@ -170,11 +171,11 @@ def run(study: Study) -> None:
     judged = [c for c in found if not c.apart]
     caption = "Error of every comparison with a verdict, and the least error that it resolves."
     if judged:
-        study.save("overview", overview(judged, titles), caption)
+        study.save("overview", lambda: overview(judged, titles), caption)
     for e in chosen:
         caption = f"{titles[e.name]}. {e.text('about')} {e.text('reading')} Source: {e.text('source')}."
         own = [c for c in found if c.experiment == e.name]
-        study.save(e.name, experiment(own, e.content.get("x", "")), caption)
+        study.save(e.name, partial(experiment, own, e.content.get("x", "")), caption)
     table = terminal.table(HEAD, WORDS)
     table.title = "E, simulation less data, and its uncertainty 2 u (ASME V&V 20), over the scale"
     for c in sorted(found, key=lambda c: bool(c.apart)):
