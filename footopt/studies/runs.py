@@ -175,6 +175,10 @@ def in_world_of_run(
     line; what differs from `default` has been given, too.
     """
     run = identity.read(Path(settings["study"]["run"]).expanduser(), "run").settings
+    loaded = {Path(one).name for one in settings["plugins"]}
+    if lacking := [one for one in run["plugins"] if Path(one).name not in loaded]:
+        hint = f"Add 'plugins=[{','.join(run['plugins'])}]'"
+        raise SettingError("plugins", settings["plugins"], f"with those of the run, {', '.join(lacking)}", hint)
     world = {name: run[name] for name in (*SCENE, *ROBOT, "accuracy")}
     if confirm := run["study"].get("confirm"):
         finer = confirming(confirm, build.make_accuracy(AccuracyConfig(**run["accuracy"])))
