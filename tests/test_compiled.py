@@ -3,6 +3,9 @@
 import sys
 from pathlib import Path
 
+import numpy as np
+from numba.core.registry import cpu_target
+
 import footopt
 import footopt as fo
 from footopt import compiled
@@ -27,6 +30,21 @@ def test_every_module_that_a_walk_is_compiled_from_is_part_of_its_key():
     assert house / "sand" / "law.py" in found
     assert house / "gait" / "__init__.py" in keyed  # not compiled, but what a stored design is made of
     assert found <= keyed, found - keyed
+
+
+def test_whole_registers_are_filled_where_there_are_some_and_only_by_footopt():
+    def square(x):
+        total = 0.0
+        for value in x:
+            total += value * value
+        return total
+
+    codegen = cpu_target.target_context.codegen()
+    usual, (*_, features) = codegen._tm, codegen.magic_tuple()
+    ours = compiled.wide_njit(fastmath=True)(square)
+    assert ours(np.ones(100)) == 100.0
+    assert ("zmm" in ours.inspect_asm(ours.signatures[0])) == ("+avx512f" in features)
+    assert codegen._tm is usual
 
 
 def test_one_walk_is_compiled_for_every_plausible_law_of_the_sand():
