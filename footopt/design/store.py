@@ -18,6 +18,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, suppress
 from functools import cache, partial
 from importlib.metadata import version
+from inspect import isfunction, ismethod
 from pathlib import Path
 from typing import Any
 
@@ -253,13 +254,17 @@ def key_of(problem: FootProblem) -> dict[str, Any]:
     }
 
 
-def _fingerprint(own: Any) -> tuple[str, str]:
+def _fingerprint(own: Any, within: tuple[Any, ...] = ()) -> tuple[str, str]:
     """Of a user's type or function the name, and a digest of its file and of what is bound to it."""
     inner = own.func if isinstance(own, partial) else own
     named = inner if hasattr(inner, "__qualname__") else type(inner)
     digest = hashlib.sha256(source_of(named))
-    bound = [own.args, own.keywords] if isinstance(own, partial) else []
+    bound: list[Any] = [own.args, own.keywords] if isinstance(own, partial) else []
     bound += [cell.cell_contents for cell in getattr(inner, "__closure__", None) or ()]
+    bound += [getattr(inner.__self__, "__dict__", None)] if ismethod(inner) else []
+    within = (*within, inner)
+    for one in filter(isfunction, bound):  # a function's own, and not itself again
+        digest.update(b"" if one in within else _fingerprint(one, within)[1].encode())
     for one in [*bound, getattr(inner, "__defaults__", None), *([] if named is inner else [vars(inner)])]:
         with suppress(Exception):  # what cannot be pickled is a function, whose file says what it does
             digest.update(pickle.dumps(one))

@@ -96,6 +96,10 @@ class Contact:
             names = [model.body(i).name for i in range(1, model.nbody)]
             name = list(feet)[rows.index(min(rows))]
             raise SettingError("feet", name, f"the name of a body: {', '.join(names)}")
+        if (fixed := (model.body_weldid[rows] == 0) | (model.body_mocapid[rows] >= 0)).any():
+            raise SettingError(
+                "feet", list(feet)[fixed.argmax()], "a body that moves", "Weld it to that one."
+            )
         self.lines = 1 if _in_one_plane(mujoco, model, data, rows) else 2
         for body, row, foot in zip(bodies, rows, feet.values(), strict=True):
             check_kind(foot, Foot, "feet", "By name of its body.")
@@ -260,15 +264,24 @@ def _sole(cut: Plates, width: float, lines: int) -> Array:
 def _need_no_floor(model: Any, row: int, reach: float) -> None:
     """Raise if a plane or a height field of the world would carry a foot in the sand."""
     bodies, types, others = model.geom_bodyid, model.geom_contype, model.geom_conaffinity
-    fixed, own = model.body_weldid[bodies] == 0, bodies == row
+    fixed, own = model.body_weldid[bodies] == 0, model.body_weldid[bodies] == model.body_weldid[row]
     floors = fixed & (model.geom_type < 2) & (model.geom_pos[:, 2] > -reach)
     meet = types[own, None] & others[floors] | others[own, None] & types[floors]
-    check(not meet.any(), "model", "a floor", "one that no foot touches", "Zero its contype and conaffinity.")
+    ends = np.stack([model.pair_geom1, model.pair_geom2])
+    paired = (own[ends] & fixed[ends[::-1]] & (model.geom_type[ends[::-1]] < 2)).any()
+    check(
+        not (meet.any() or paired),
+        "model",
+        "a floor",
+        "one that no foot touches",
+        "Zero its contype and conaffinity.",
+    )
 
 
 def _of_servos(model: Any, term: int) -> Any:
     """Stiffness (term 1) or damping (2) of actuators on joints, by degree of freedom, (nv,)."""
-    acts = np.flatnonzero((model.actuator_trntype == 0) & (model.actuator_biastype == 1))  # joint, affine
+    acts = np.flatnonzero((model.actuator_trntype <= 1) & (model.actuator_biastype == 1))  # joint, affine
+    acts = acts[model.opt.disableactuator >> np.maximum(model.actuator_group[acts], 0) & 1 == 0]
     each = -model.actuator_biasprm[acts, term] * model.actuator_gear[acts, 0] ** 2
     return np.bincount(model.jnt_dofadr[model.actuator_trnid[acts, 0]], each, model.nv)
 

@@ -52,6 +52,10 @@ class Model:
             for geom in spec.geoms:
                 if geom.parent.name in feet:
                     geom.contype = geom.conaffinity = 0
+            parents = {geom.name: geom.parent.name for geom in spec.geoms}
+            for pair in list(spec.pairs):
+                if {parents.get(pair.geomname1), parents.get(pair.geomname2)} & {"world", *feet}:
+                    spec.delete(pair)
             _measure(mujoco, spec, bodies[feet[0]])
             model = spec.compile()
         except SettingError:
@@ -59,6 +63,13 @@ class Model:
         except (ValueError, OSError) as error:  # what MuJoCo says of a model that it cannot read
             said = " ".join(str(error).split())
             raise SettingError("robot.model", what, "a model that MuJoCo compiles", said) from None
+        trees = {int(model.body_rootid[model.body(name).id]) for name in feet}
+        check(
+            len(trees) == 1 and len({*feet}) == len(feet),
+            "robot.feet",
+            [*feet],
+            "bodies of one robot, each once",
+        )
         others = model.body_rootid[model.geom_bodyid] != model.body_rootid[model.body(feet[0]).id]
         model.geom_contype[others] = model.geom_conaffinity[others] = 0  # floors, rocks, targets
         content = np.empty(mujoco.mj_sizeModel(model), np.uint8)
@@ -106,12 +117,13 @@ class Model:
     @cached_property
     def height_address(self) -> int:
         """The place in qpos of the robot's height: of a free joint, or of one that slides upward."""
-        m, free, slide = self.compiled, 0, 2
+        mujoco, m, free, slide = needed("mujoco", "fo.mujoco.Robot", "mujoco"), self.compiled, 0, 2
+        mujoco.mj_kinematics(m, data := mujoco.MjData(m))
         root = m.body_rootid[m.body(self.feet[0]).id]
         for joint in np.flatnonzero(m.jnt_bodyid == root):
             if m.jnt_type[joint] == free:
                 return int(m.jnt_qposadr[joint]) + 2
-            if m.jnt_type[joint] == slide and m.jnt_axis[joint, 2] == 1.0:
+            if m.jnt_type[joint] == slide and data.xaxis[joint, 2] > 1.0 - 1e-9:
                 return int(m.jnt_qposadr[joint])
         name = m.body(root).name
         raise SettingError(
@@ -183,6 +195,7 @@ def _measure(mujoco: Any, spec: Any, foot: Any) -> None:
     root = foot
     while root.parent is not None and root.parent.name != "world":
         root = root.parent
+    root.name = root.name or "robot"
     kind, thing = mujoco.mjtSensor, mujoco.mjtObj
     for whole in (kind.mjSENS_SUBTREECOM, kind.mjSENS_SUBTREELINVEL):
         spec.add_sensor(type=whole, objtype=thing.mjOBJ_BODY, objname=root.name)

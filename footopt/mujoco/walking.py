@@ -108,6 +108,7 @@ def stepped(robot: Any, model: Any, data: Any, t: Array) -> tuple[Array, Array]:
         rollout.rollout(model, data, first, told[None], state=states[None], sensordata=sensed[None])
         return states, sensed
     period, due = robot.model.compiled.opt.timestep, 0
+    mujoco.mj_forward(model, data)  # what a controller sees first
     for n in range(len(t)):
         if (passed := int(t[n] / period + 1e-6)) >= due:  # shorter steps are no faster control
             robot.controller.function(model, data)
@@ -125,6 +126,7 @@ def posed(robot: Any, model: Any, data: Any) -> Any:
     mujoco.mj_resetData(model, data)
     if robot.key is not None:
         mujoco.mj_resetDataKeyframe(model, data, model.key(robot.key).id)
+        data.time = 0.0
     elif isinstance(robot.controller, Tracker):
         for act, angle in told_at(robot.controller, robot.model, np.zeros(1).tobytes())[1].items():
             data.qpos[model.jnt_qposadr[model.actuator_trnid[act, 0]]] = angle[0]

@@ -206,6 +206,7 @@ class TestTheRobot:
         [
             ("robot.feet", {"feet": ["left_hoof"]}),
             ("robot.feet", {"feet": []}),
+            ("robot.feet", {"feet": ["left_foot", "left_foot"]}),
             ("robot.model", {"model": "no_such_model.xml"}),
             ("robot.model", {"model": "<mujoco><wordbody/></mujoco>"}),
             (
@@ -245,6 +246,9 @@ HOPPER = """
 """
 
 
+SHORT = {"duration": 0.1, "after": 0.05}
+
+
 class TestOneFoot:
     @pytest.mark.slow
     def test_walks_and_is_drawn(self):
@@ -257,6 +261,35 @@ class TestOneFoot:
         assert walk.force[-20:, 0, 1].mean() == pytest.approx(robot.weight, rel=0.05)
         assert len(figures.forces({"hop": walk}).axes) == 2
         assert "force_single_z" in walk.to_frame()
+
+    def test_neither_a_pair_with_the_floor_nor_names_nor_a_key_s_time_change_the_walk(self):
+        plain = HOPPER.format(euler="0 0 0")
+        other = plain.replace('<geom type="plane"', '<geom name="floor" type="plane"')
+        other = other.replace(' name="trunk"', "").replace(
+            '<geom type="box" size=".1 .05', '<geom name="sole" type="box" size=".1 .05'
+        )
+        more = '<contact><pair geom1="floor" geom2="sole"/></contact>'
+        more += '<keyframe><key name="up" time="2"/></keyframe>'
+        other = other.replace("</mujoco>", f"{more}</mujoco>")
+        found = [
+            fo.evaluate(
+                [SOLES[0]], fo.mujoco.Robot(text, "foot", hold, key=key, **SHORT), COARSE, space=SPACE
+            )
+            for text, key in ((plain, None), (other, "up"))
+        ]
+        np.testing.assert_array_equal(found[0].values, found[1].values)
+        assert np.isfinite(found[0].values).all()
+
+    def test_a_controller_sees_sensors_of_the_pose_in_which_the_robot_starts(self):
+        seen = []
+        text = HOPPER.format(euler="0 0 0").replace(
+            "</mujoco>", '<sensor><framequat objtype="body" objname="foot"/></sensor></mujoco>'
+        )
+        robot = fo.mujoco.Robot(
+            text, "foot", lambda model, data: seen.append(data.sensordata[:4].copy()), **SHORT
+        )
+        fo.evaluate([SOLES[0]], robot, COARSE, space=SPACE)
+        assert np.linalg.norm(seen, axis=1) == pytest.approx(1.0)
 
     def test_with_axes_that_are_no_foots_is_refused(self):
         robot = fo.mujoco.Robot(HOPPER.format(euler="0 90 0"), "foot", hold, duration=0.4)

@@ -51,6 +51,21 @@ def factory(by):
     return lambda foot: {"work": by + foot.hollow}
 
 
+def nested(by):
+    def inner():
+        return by
+
+    return lambda foot: {"work": inner() * foot.hollow}
+
+
+class Times:
+    def __init__(self, by):
+        self.by = by
+
+    def work(self, foot):
+        return {"work": self.by * foot.hollow}
+
+
 def bound(foot, by):
     return {"work": by * foot.hollow}
 
@@ -61,8 +76,9 @@ class Own(fo.Inertia):
 
 def test_a_key_has_what_functions_are_bound_to_and_the_effects_of_every_scenario():
     functions = [factory(1.0), factory(2.0), partial(bound, by=1.0), partial(bound, by=2.0)]
+    functions += [Times(1.0).work, Times(2.0).work, nested(1.0), nested(2.0)]
     made = [fo.FunctionSimulator(one, ["work"]) for one in functions]
-    assert len({digest(key_of(fo.FootProblem(one, "work", SMALL, QUICK))) for one in made}) == 4
+    assert len({digest(key_of(fo.FootProblem(one, "work", SMALL, QUICK))) for one in made}) == 8
     own = [fo.Scene(), fo.Scene(effects=(Own(),))]
     robust = [
         fo.RobustProblem([*map(fo.Scenario, "ab", scenes)], "work", SMALL, QUICK, references=np.ones(2))

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from importlib import import_module
 from itertools import accumulate
+from numbers import Integral
 from typing import Any
 
 from footopt.errors import SettingError, check, check_free, is_number
@@ -88,10 +89,12 @@ class Solver:
         for name, low, high in (("walks", 1, 10**9), ("pop_size", 4, 10**5), ("n_gen", 1, 10**6)):
             value = getattr(self, name)
             allowed = f"null, or a whole number >= {low} and <= {high:,}"
-            check(value is None or low <= value <= high, f"solver.{name}", value, allowed)
+            whole = is_number(value) and low <= value <= high and value == int(value)
+            check(value is None or whole, f"solver.{name}", value, allowed)
         good = self.seconds is None or self.seconds > 0
         check(good, "solver.seconds", self.seconds, "null, or a number > 0")
-        check(0 <= self.seed < 2**32, "solver.seed", self.seed, "a whole number from 0 to 2^32 - 1")
+        seed = is_number(self.seed, Integral) and 0 <= self.seed < 2**32
+        check(seed, "solver.seed", self.seed, "a whole number from 0 to 2^32 - 1")
 
     def _check_name(self) -> None:
         names = (AUTO, *SOLVERS)
