@@ -329,7 +329,7 @@ def quotients(first, last):
             for accuracy in ("standard", fo.Tolerance(1e-3))
         )
         five = np.abs(walked - truth)[:, :5] / scale_of(truth[:, :5])
-        quotient = np.abs(walked / truth - 1.0)[:, 5]
+        quotient = np.abs(walked - truth)[:, 5] / np.abs(truth[:, 5])
         errors += [
             [*pair] for pair in zip(five.max(axis=1), quotient, strict=True) if np.isfinite(pair).all()
         ]

@@ -44,7 +44,7 @@ def write_table(path, gait, strides, rate=60.0, columns=("time", "thigh", "knee"
 
 def misfit(gait, true=HUMAN, joints=("thigh", "knee")):
     """Largest difference of a gait's angles from true ones, deg, at the shift of phase that fits best: which
-    instant of the heel strike is phase 0 changes no walk.
+    instant of the heel strike is phase 0 is a convention.
     """
     phase, shift = np.arange(100) / 100, np.linspace(-0.1, 0.1, 401)[:, None]
     found, expected = (degrees(gait, phase), degrees(true, phase + shift))

@@ -186,7 +186,7 @@ def run(overrides: Sequence[str] = (), folder: str | Path | None = None) -> Run:
     if resumed := [one.partition("=")[2] for one in given if one.startswith("resume=")]:
         check(folder is None, "folder", folder, "left out with resume=FOLDER, where the run goes on")
         resume(given)
-        return load(resumed[-1])
+        return load(resumed[-1].strip("'\""))
     there: Path | None = None
     try:
         register(words := hydra_overrides(given))
@@ -208,8 +208,9 @@ def resume(given: Sequence[str]) -> int:
     A folder is read as data: code and files elsewhere that it names need --trust, a run of another version
     needs --force, and settings given besides are `CHANGEABLE`. Designs in its store are not walked again.
     """
-    name = next(one for one in given if one.startswith("resume=")).removeprefix("resume=")
-    check(name, "resume", name, "the folder of a run")
+    names = [one.removeprefix("resume=") for one in given if one.startswith("resume=")]
+    name = names[0].strip("'\"")
+    check(name and len(names) == 1, "resume", ", ".join(names), "the folder of one run")
     folder = Path(name).expanduser().absolute()
     logging.basicConfig(level=logging.WARNING, stream=sys.stdout, format="[%(levelname)s] %(message)s")
     changes = _changes(given)

@@ -107,8 +107,11 @@ def read_dxf(path: Path, units: str | None, scale: float) -> Iterator[Line]:
         for piece in entity.virtual_entities() if bulged else (entity,):
             # a path's arcs are cubics, 0.03 % off
             curve = piece if piece.dxftype() in CURVES else curves.make_path(piece)
-            points = unit * np.array([(v.x, v.y) for v in curve.flattening(CHORD_TOLERANCE / unit)])
-            yield from_points(points.reshape(-1, 2), entity.dxf.layer)
+            curve = np.array([(v.x, v.y, v.z) for v in curve.flattening(CHORD_TOLERANCE / unit)])
+            points = unit * curve.reshape(-1, 3)
+            if len(points) and np.ptp(points[:, 2]) > CHORD_TOLERANCE:
+                continue  # drawn in another plane
+            yield from_points(points[:, :2], entity.dxf.layer)
 
 
 def read_svg(path: Path, units: str | None, scale: float) -> Iterator[Line]:

@@ -113,9 +113,9 @@ def body_outline(foot: Foot, block: Sequence[float] | None = None) -> Array:
     from shapely.geometry.polygon import orient
 
     sole, top = foot.contour, foot.top
-    heel, toe, hump = sole[0], sole[-1], sole[1:-1, 1].max(initial=-np.inf)
-    if hump > max(heel[1], toe[1]) - SAME_POINT:
-        top = max(top, hump + MIN_WALL)
+    heel, toe, z = sole[0], sole[-1], sole[:, 1]
+    humps = (z[1:-1] >= z[:-2] - SAME_POINT) & (z[1:-1] >= z[2:] - SAME_POINT)
+    top = max(top, z[1:-1][humps].max(initial=-np.inf) + MIN_WALL)
     outline = closed_contour(sole, top)
     body = Polygon(outline)
     allowed = "such that the sole, two vertical sides and the top do not cross"

@@ -27,7 +27,7 @@ COLUMNS = {
     "pelvis": r"pelvistilt",
 }
 SIDES = ("right", "left")
-UNIT = re.compile(r"(deg|rad)(rees|ians)?\W*$")  # at the end of a column's name
+UNIT = re.compile(r"(deg|(?<!g)rad)(rees|ians)?\W*$")  # at the end of a column's name
 PHASE_PERIOD = 1.2  # s; of a stride whose table has its phase only
 
 

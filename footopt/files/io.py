@@ -6,6 +6,7 @@ import math
 import os
 import re
 import sys
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from importlib import import_module
@@ -63,6 +64,8 @@ def parse_table(text: str) -> Table:
     header, *rows = [[cell.strip() for cell in row] for row in reader] or [[]]
     if mark != ",":
         rows = [[re.sub(r"^([-+]?\d*),(\d+)", r"\1.\2", cell) for cell in row] for row in rows]
+    if twice := [name for name, count in Counter(header).items() if name and count > 1]:
+        raise Unusable(f"two columns are called {twice[0]}.")
     for i, row in enumerate(rows, start=1):
         if len(row) != len(header):  # more as with decimal commas
             raise Unusable(f"not a table: row {i} has {len(row)} cells, the header {len(header)}.")
@@ -99,7 +102,11 @@ def read_columns(
     text = read_text(path, setting)
     with naming(path, setting):
         known = {_plain(name): name for name in (*units, *(optional or {}), label)}
-        table = {known.get(_plain(name), name): cells for name, cells in parse_table(text).items()}
+        cells = parse_table(text)
+        meant = [known.get(_plain(name), name) for name in cells]
+        if twice := [name for name, count in Counter(meant).items() if count > 1]:
+            raise Unusable(f"two columns are {twice[0]}.")
+        table = dict(zip(meant, cells.values(), strict=True))
         if missing := [name for name in units if name not in table]:
             wanted = ", ".join(f"{name} ({unit})" if unit else name for name, unit in units.items())
             raise Unusable(

@@ -12,6 +12,8 @@ from footopt.gait import HARMONICS, Fourier
 PERIOD_RANGE = (0.2, 5.0)  # of a stride, s: a sprinter's is 0.45; anything else is a mistake in the units
 MIN_AUTOCORRELATION = 0.8  # least autocorrelation that is a period
 PEAK_MARGIN = 0.1  # below the largest autocorrelation; the first lag that has as much is one stride, not two
+MOST_OF_WINDOW = 0.6  # that a period may be of a window that is to hold one stride
+WIDEST = 0.26  # of a stride, between two rows
 MAX_GAP = 5.0  # deg that thigh and knee may differ by at the ends of a stride
 MAX_DEVIATION = 6.0  # deg rms that a stride may differ by from the mean of all
 MAX_STRIKE_PHASE = 0.1  # of a stride; a heel strike that is farther inside is where it ought to begin
@@ -72,10 +74,19 @@ def cut(
         bounds = _bounds(t, angles, period)
         notes += (f"{len(bounds) - 1} strides of {np.diff(bounds).mean():.3f} s, found by autocorrelation",)
     elif window:
+        inside = (t >= window[0]) & (t <= window[1])
+        again = _period(t[inside], {joint: values[inside] for joint, values in angles.items()})
+        if again is not None and again < MOST_OF_WINDOW * (window[1] - window[0]):
+            raise Unusable(f"gait.window = {list(window)} holds more than one stride, of {again:.3g} s.")
         bounds = np.array(window, float)
     else:
         bounds, phase = t[[0, -1]], (t - t[0]) / (t[-1] - t[0])
         notes += (f"one stride of {t[-1] - t[0]:.4g} s, from the first row to the last",)
+    used = (t[1:] > bounds[0]) & (t[:-1] < bounds[-1])
+    missing = np.where(used, np.diff(t), 0.0)
+    if missing.max() > WIDEST * np.diff(bounds).mean():
+        begin = t[missing.argmax()]
+        raise Unusable(f"no rows from {begin:.4g} to {begin + missing.max():.4g} s. {WINDOW_HINT}")
     times = np.array([np.clip(a + (b - a) * phase, t[0], t[-1]) for a, b in pairwise(bounds)])
     curves = {joint: CubicSpline(t, values)(times) for joint, values in angles.items()}
     strides = Strides(phase, curves, np.diff(bounds), notes)

@@ -164,6 +164,9 @@ def calibrate(path: str | Path, stress_map: StressMap = GENERIC) -> Calibration:
         shallow = SHALLOW * depth.max()
         parts = {f"less than {shallow:.3g} mm deep": depth <= shallow}
         names = dict.fromkeys(set_up.tolist())
+        back = np.append(False, np.diff(depth) < 0.0)
+        back[1:] &= (set_up[1:] == set_up[:-1]) & (labels[1:] == labels[:-1])
+        parts |= {"on the way back": back} if back.any() else {}
         parts |= {f"with {name}": set_up == name for name in names if len(names) > 1}
 
         depth, area, gamma = 1e-3 * depth, 1e-4 * area, np.radians(direction)

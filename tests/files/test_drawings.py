@@ -134,6 +134,14 @@ PROGRAMS = (inkscape, autocad, autocad_mirrored, autocad_12, librecad, rhino, op
 UNITS = {autocad_12: "mm", openscad: "mm"}  # of files that say none
 
 
+def test_a_sole_that_is_drawn_in_another_plane_is_not_read_as_flat(tmp_path):
+    made, space = document("R2010", units=4)
+    space.add_polyline3d([(-100, 0, 5), (0, 0, -5), (100, 0, 5)])
+    made.saveas(tmp_path / "xz.dxf")
+    with pytest.raises(FileError, match="in its xy plane"):
+        fo.read_foot(tmp_path / "xz.dxf")
+
+
 @pytest.mark.parametrize("program", PROGRAMS)
 def test_one_sole_of_every_program_is_the_same(program, tmp_path):
     path = tmp_path / ("a.svg" if program == inkscape else "a.dxf")

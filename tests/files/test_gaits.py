@@ -145,9 +145,21 @@ class TestCsv:
         assert [np.ptp(left["thigh"]), np.ptp(left["knee"])] == pytest.approx(
             [0.8 * np.ptp(thigh), 0.8 * np.ptp(knee)], rel=0.01
         )
-        path.write_text(path.read_text().replace("_l", ""))
+        path.write_text(path.read_text().replace("thigh_l", "a").replace("knee_l", "b"))
         with pytest.raises(SettingError, match=r"gait\.side"):
             fo.read_gait(path, side="left")
+
+    def test_a_window_of_several_strides_a_gap_and_a_name_given_twice_are_refused(self, tmp_path):
+        table = write_table(tmp_path / "a.csv", HUMAN, 4.4).read_text().splitlines()
+        path, rows = tmp_path / "b.csv", (len(table) - 1) / (4.4 * HUMAN.period)
+        for content, window, words in (
+            (table, (0.5, 0.5 + 2.0 * HUMAN.period), "more than one stride"),
+            (table[: round(rows)] + table[round(rows * (1.0 + 0.4 * HUMAN.period)) :], None, "no rows from"),
+            ([table[0].replace("thigh", "knee"), *table[1:]], None, "two columns are called knee"),
+        ):
+            path.write_text("\n".join(content))
+            with pytest.raises(FileError, match=words):
+                fo.read_gait(path, window=window)
 
     @pytest.mark.parametrize("pitch", ["shank", "measured"])
     def test_gives_back_the_gait_that_was_measured(self, tmp_path, pitch):

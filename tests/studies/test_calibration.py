@@ -62,6 +62,14 @@ def test_the_spread_is_that_of_sand_prepared_anew(tmp_path):
     assert found.spread == pytest.approx(0.2, rel=0.1)
 
 
+def test_rows_of_the_way_back_are_told(tmp_path):
+    path = plates_in_sand(tmp_path / "t.csv", np.random.default_rng(1), repeats=1)
+    head, *rows = path.read_text().splitlines()
+    back = [",".join([row.split(",")[0], "-0.5", *row.split(",")[2:]]) for row in reversed(rows)]
+    path.write_text("\n".join([head, *rows, *back]))
+    assert any("on the way back" in warning for warning in calibrate(path).warnings)
+
+
 @pytest.mark.parametrize("repeats", [1, 5])
 def test_growth_with_another_power_is_said_of_shallow_tests(repeats, tmp_path):
     rng = np.random.default_rng(1)
