@@ -242,10 +242,10 @@ def _changes(given: Sequence[str]) -> dict[str, Any]:
 
 
 def _resume_job(job: Path, changes: Mapping[str, Any], given: Sequence[str]) -> None:
-    """Go on with a job of a multirun, unless it has a result and no longer search is asked for."""
+    """Go on with a job of a multirun, unless it has a result and no more is wanted."""
     found = result_of(job)
-    longer = {*changes} & {f"solver.{name}" for name in BUDGETS}
-    if found and finished(found) and not (longer and searches(found["study"])):
+    budgets = {f"solver.{name}" for name in BUDGETS}
+    if found and finished(found) and not {*changes} - (set() if searches(found["study"]) else budgets):
         return
     try:
         print(f"job {job.name}: {' '.join(identity.read(job).overrides)}", flush=True)

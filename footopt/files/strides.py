@@ -151,7 +151,8 @@ def _check(strides: Strides, bounds: Array) -> None:
             )
     period, (least, largest) = strides.periods.mean(), PERIOD_RANGE
     if not least <= period <= largest:
-        raise Unusable(f"a stride of {period:.4g} s is no walk: those take {least:g} to {largest:g} s. In s?")
+        why = f"a stride of {period:.4g} s is no walk: those take {least:g} to {largest:g} s"
+        raise Unusable(f"{why}. Is the time in s? Or no period was found. {WINDOW_HINT}")
     thigh, knee = (strides.mean()[joint] for joint in ANGLES)
     loop = 0.5 * np.sum(thigh[1:] * knee[:-1] - thigh[:-1] * knee[1:])
     if loop < LEAST_LOOP * np.ptp(thigh) * np.ptp(knee):

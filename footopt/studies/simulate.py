@@ -7,6 +7,7 @@ from typing import Any
 
 from rich.text import Text
 
+from footopt.errors import check
 from footopt.files import io as files
 from footopt.files.feet import body_outline, write_all, write_foot
 from footopt.foot import Foot
@@ -126,6 +127,8 @@ def check_files(study: Study, foot: Foot) -> None:
     if study.options.video is not None:
         from footopt.report import film
 
+        name = study.options.video
+        check(Path(name).name == name, "study.video", name, "a name, for a file in the run's folder")
         film.check_film(study.folder / study.options.video, setting="study.video")
 
 
