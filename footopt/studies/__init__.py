@@ -255,13 +255,13 @@ def _of(*shapes: str) -> tuple[str, Callable[[Config], bool]]:
 
 #: Settings that count only where others have certain values: which, where that is, and whether it is so.
 ONLY: tuple[tuple[tuple[str, ...], str, Callable[[Config], bool]], ...] = (
+    (("foot.shape", *SPACE, *SHAPE, *OUTLINE), "study=simulate without run", lambda c: not _of_run(c)),
     (tuple({*SPACE} - {*WORN}), *_of("waypoints")),
     (("foot.k",), "foot=waypoints", lambda c: c.foot.shape == "waypoints" or _of_run(c)),
     (("foot.length",), *_of(*SHAPES)),
     (("foot.apex",), *_of("reversed_triangle")),
     (("foot.upright",), *_of("reversed_l")),
     (OUTLINE, *_of("outline")),
-    (("foot.shape", *WORN), "study=simulate without run", lambda c: not _of_run(c)),
     (("gait.path",), "gait=file", lambda c: c.gait.name != "human"),
     (("gait.names", "gait.side", "gait.window"), "gait=file gait.path=walk.mot", lambda c: bool(c.gait.path)),
     (("robot",), "simulator=robot, biped", lambda c: c.simulator.name != "walker"),
