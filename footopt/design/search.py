@@ -45,8 +45,8 @@ def search(
     problem : FootProblem
         What is searched.
     solver : Solver, str or pymoo.core.algorithm.Algorithm, optional
-        A name will do, and so will an algorithm of pymoo, of which a copy searches. By default the best one
-        for the number of objectives (`Solver.fitting`).
+        A name will do, and so will an algorithm of pymoo, of which a copy searches; seed and termination are
+        those given here. By default the best one for the number of objectives (`Solver.fitting`).
     progress : callable or bool, optional
         Called with each `Generation`; the search ends if it returns True. True itself shows a line on
         standard error.
