@@ -122,9 +122,7 @@ class Store(AbstractContextManager["Store"]):
 
         The reason of a design that is not known is `ERROR`.
         """
-        query = (
-            "SELECT k, record, reason FROM design WHERE context IN ({}) AND k IN ({}) ORDER BY context = ?"
-        )
+        query = "SELECT k, record, reason FROM design WHERE context IN ({}) AND k IN ({}) ORDER BY context=?"
         known: dict[bytes, Sequence[Any]] = {}
         keys, width = _bytes(k, HEIGHT), len(self.problem.record)
         with self._explained() as connection:
@@ -133,8 +131,9 @@ class Store(AbstractContextManager["Store"]):
                 rows = connection.execute(query.format(*marks), (*self._read_from, *some, self._id))
                 known |= {key: rest for key, *rest in rows}  # its own come last: they count
         unknown = np.full(width, np.nan).tobytes(), ERROR
-        records, reasons = zip(*(known.get(key, unknown) for key in keys), strict=True)
-        return np.frombuffer(bytearray().join(records), VALUE).reshape(-1, width), np.array(reasons, object)
+        found = [known.get(key, unknown) for key in keys]
+        values = np.frombuffer(bytearray().join(record for record, _ in found), VALUE)
+        return values.reshape(-1, width), np.array([why for _, why in found], object)
 
     def add(self, k: Ints, values: Array, reasons: Words) -> None:
         """Keep designs, all or none; what is known stays, unless its walk had raised an exception."""

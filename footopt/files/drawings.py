@@ -109,8 +109,11 @@ def read_dxf(path: Path, units: str | None, scale: float) -> Iterator[Line]:
             curve = piece if piece.dxftype() in CURVES else curves.make_path(piece)
             curve = np.array([(v.x, v.y, v.z) for v in curve.flattening(CHORD_TOLERANCE / unit)])
             points = unit * curve.reshape(-1, 3)
-            if len(points) and np.ptp(points[:, 2]) > CHORD_TOLERANCE:
-                continue  # drawn in another plane
+            if len(points) and (rise := np.ptp(points[:, 2])) > CHORD_TOLERANCE:
+                where = (
+                    f"a {kind} of layer {entity.dxf.layer} leaves the xy plane, by {1e3 * rise:.3g} mm in z"
+                )
+                raise Unusable(f"{where}. Draw the side view in x and y.")
             yield from_points(points[:, :2], entity.dxf.layer)
 
 

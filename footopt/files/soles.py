@@ -111,7 +111,7 @@ def the_line(lines: Sequence[Line], layer: str | None = None) -> tuple[Line, tup
     check(layer is None or layer in layers, "foot.layer", layer, f"a layer with lines; there are {held}")
     found = join([line for line in lines if layer in (None, line.layer)])
     if not found:
-        raise Unusable("holds no line, arc, spline or polyline in its xy plane.")
+        raise Unusable("holds no line, arc, spline or polyline.")
     told = [*map(_described, found[:LISTED]), *["..."][: len(found) > LISTED]]
     if len(found) == 1:
         return found[0], ()

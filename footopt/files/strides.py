@@ -74,10 +74,6 @@ def cut(
         bounds = _bounds(t, angles, period)
         notes += (f"{len(bounds) - 1} strides of {np.diff(bounds).mean():.3f} s, found by autocorrelation",)
     elif window:
-        inside = (t >= window[0]) & (t <= window[1])
-        again = _period(t[inside], {joint: values[inside] for joint, values in angles.items()})
-        if again is not None and again < MOST_OF_WINDOW * (window[1] - window[0]):
-            raise Unusable(f"gait.window = {list(window)} holds more than one stride, of {again:.3g} s.")
         bounds = np.array(window, float)
     else:
         bounds, phase = t[[0, -1]], (t - t[0]) / (t[-1] - t[0])
@@ -87,6 +83,11 @@ def cut(
     if missing.max() > WIDEST * np.diff(bounds).mean():
         begin = t[missing.argmax()]
         raise Unusable(f"no rows from {begin:.4g} to {begin + missing.max():.4g} s. {WINDOW_HINT}")
+    if window:
+        inside = (t >= window[0]) & (t <= window[1])
+        again = _period(t[inside], {joint: values[inside] for joint, values in angles.items()})
+        if again is not None and again < MOST_OF_WINDOW * (window[1] - window[0]):
+            raise Unusable(f"gait.window = {list(window)} holds more than one stride, of {again:.3g} s.")
     times = np.array([np.clip(a + (b - a) * phase, t[0], t[-1]) for a, b in pairwise(bounds)])
     curves = {joint: CubicSpline(t, values)(times) for joint, values in angles.items()}
     strides = Strides(phase, curves, np.diff(bounds), notes)

@@ -97,9 +97,7 @@ class Contact:
             name = list(feet)[rows.index(min(rows))]
             raise SettingError("feet", name, f"the name of a body: {', '.join(names)}")
         if (fixed := (model.body_weldid[rows] == 0) | (model.body_mocapid[rows] >= 0)).any():
-            raise SettingError(
-                "feet", list(feet)[fixed.argmax()], "a body that moves", "Weld it to that one."
-            )
+            raise SettingError("feet", [*feet][fixed.argmax()], "a body that moves", "Weld it to that one.")
         self.lines = 1 if _in_one_plane(mujoco, model, data, rows) else 2
         for body, row, foot in zip(bodies, rows, feet.values(), strict=True):
             check_kind(foot, Foot, "feet", "By name of its body.")
@@ -269,13 +267,8 @@ def _need_no_floor(model: Any, row: int, reach: float) -> None:
     meet = types[own, None] & others[floors] | others[own, None] & types[floors]
     ends = np.stack([model.pair_geom1, model.pair_geom2])
     paired = (own[ends] & fixed[ends[::-1]] & (model.geom_type[ends[::-1]] < 2)).any()
-    check(
-        not (meet.any() or paired),
-        "model",
-        "a floor",
-        "one that no foot touches",
-        "Zero its contype and conaffinity.",
-    )
+    free, hint = not (meet.any() or paired), "Zero its contype and conaffinity; delete its pairs."
+    check(free, "model", "a floor", "one that no foot touches", hint)
 
 
 def _of_servos(model: Any, term: int) -> Any:

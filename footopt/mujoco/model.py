@@ -64,12 +64,8 @@ class Model:
             said = " ".join(str(error).split())
             raise SettingError("robot.model", what, "a model that MuJoCo compiles", said) from None
         trees = {int(model.body_rootid[model.body(name).id]) for name in feet}
-        check(
-            len(trees) == 1 and len({*feet}) == len(feet),
-            "robot.feet",
-            [*feet],
-            "bodies of one robot, each once",
-        )
+        once = len(trees) == 1 and len({*feet}) == len(feet)
+        check(once, "robot.feet", [*feet], "bodies of one robot, each once")
         others = model.body_rootid[model.geom_bodyid] != model.body_rootid[model.body(feet[0]).id]
         model.geom_contype[others] = model.geom_conaffinity[others] = 0  # floors, rocks, targets
         content = np.empty(mujoco.mj_sizeModel(model), np.uint8)

@@ -178,9 +178,7 @@ def in_world_of_run(
     loaded = {Path(one).name for one in settings["plugins"]}
     if lacking := [one for one in run["plugins"] if Path(one).name not in loaded]:
         hint = f"Add 'plugins=[{','.join(run['plugins'])}]'"
-        raise SettingError(
-            "plugins", settings["plugins"], f"with those of the run, {', '.join(lacking)}", hint
-        )
+        raise SettingError("plugins", settings["plugins"], f"with {', '.join(lacking)}, of the run", hint)
     world = {name: run[name] for name in (*SCENE, *ROBOT, "accuracy")}
     if confirm := run["study"].get("confirm"):
         finer = confirming(confirm, build.make_accuracy(AccuracyConfig(**run["accuracy"])))

@@ -195,8 +195,8 @@ def by_class(solver: Solver, n_obj: int) -> Any:
     if "ref_dirs" in takes:
         given["ref_dirs"] = reference_directions(n_obj, solver.size)
     if solver.name not in GENETIC:
-        needs = [n for n, p in takes.items() if p.default is p.empty and p.kind < p.VAR_POSITIONAL]
-        needs = [n for n in needs if n not in given]
+        bare = (n for n, p in takes.items() if p.default is p.empty and p.kind < p.VAR_POSITIONAL)
+        needs = [n for n in bare if n not in given]
         hint = f"In Python: fo.search(problem, {name}(...))"
         check(not needs, "solver.name", solver.name, f"an algorithm that takes no {', '.join(needs)}", hint)
         return algorithm(**given)
