@@ -19,8 +19,9 @@ from footopt.errors import SettingError, check, check_kind, needed
 from footopt.foot import Foot, Plates
 from footopt.mujoco.callback import ATTACHED, FORGOT, MOST, callback, compiled, with_effects
 from footopt.mujoco.implicit import ROOM
+from footopt.mujoco.joints import freedoms, servos
 from footopt.mujoco.native import functions, memory, remembering
-from footopt.mujoco.step import BEGIN, BEND, BODY, COUNTED, END, FREEDOM, MEAN, STEP, TRACED, Workspace
+from footopt.mujoco.step import BEGIN, BEND, BODY, COUNTED, DRIFT, END, MEAN, STEP, TRACED, Workspace
 from footopt.sand import Sand
 from footopt.sand.law import EARTH
 from footopt.walk.accuracy import Accuracy
@@ -115,6 +116,10 @@ class Contact:
         step, n = np.zeros(1, STEP), 6 * len(feet)
         step["dt"], step["gravity"] = model.opt.timestep, model.opt.gravity
         step["rk4"] = model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
+        step["implicit"] = model.opt.integrator > int(mujoco.mjtIntegrator.mjINT_RK4)
+        step["ahead"] = model.opt.timestep * (
+            model.opt.integrator > int(mujoco.mjtIntegrator.mjINT_IMPLICITFAST)
+        )
         step["length"], step["bypass"] = once.bristle_length or BRISTLE_LENGTH, once.bypass
         jacobian = np.zeros((n, model.nv))
         steps, wrenches = compiled(), with_effects(acting)
@@ -124,19 +129,21 @@ class Contact:
             step["time"].ctypes.data, jacobian.ctypes.data, ctypes.addressof(FORGOT),
         )  # fmt: skip
         kept = {  # from step to step
-            "moment": (1, 3), "spent": (2, len(feet)), "drift": (2, model.nv), "bristles": (3, 3 * first),
-            "vectors": (6, n),
+            "moment": (1, 3), "spent": (2, len(feet)), "drift": (DRIFT, model.nv), "gained": (1, model.nv),
+            "bristles": (3, 3 * first), "vectors": (6, n),
         }  # fmt: skip
         scratch = {
             "frame": (len(feet), 9), "history": (traced * remembers, 3 * first), "factor": (1, data.M.size),
-            "answers": (model.nv, n), "gained": (1, model.nv), "mobility": (n, n), "stiffness": (n, 6),
+            "answers": (model.nv, n), "mobility": (n, n), "stiffness": (n, 6),
             "system": (n + 1, n + 1), "room": (ROOM, n),
         }  # fmt: skip
         ends = np.cumsum([math.prod(shape) for shape in kept.values()]).tolist()
         self.memory = memory(model, data, ends[-1])
         parts = zip(kept.items(), np.split(self.memory, ends[:-1]), strict=True)
         self._space = Workspace(
-            step=step, bodies=bodies, freedoms=_freedoms(mujoco, model),
+            step=step, bodies=bodies, freedoms=freedoms(model), servos=servos(mujoco, model),
+            controls=data.ctrl[None], activations=data.act[None],
+            lengths=data.actuator_length[None], speeds=data.actuator_velocity[None],
             columns=model.M_colind[None].astype(np.int64), inertia=data.M[None], places=data.xpos,
             attitude=data.xmat.reshape(-1, 9), velocity=data.qvel[None], passive=data.qfrc_passive[None],
             faces=np.concatenate(tables)[None], jacobian=jacobian, trace=np.full((traced, n), np.nan),
@@ -269,28 +276,6 @@ def _need_no_floor(model: Any, row: int, reach: float) -> None:
     paired = (own[ends] & fixed[ends[::-1]] & (model.geom_type[ends[::-1]] < 2)).any()
     free, hint = not (meet.any() or paired), "Zero its contype and conaffinity; delete its pairs."
     check(free, "model", "a floor", "one that no foot touches", hint)
-
-
-def _of_servos(model: Any, term: int) -> Any:
-    """Stiffness (term 1) or damping (2) of actuators on joints, by degree of freedom, (nv,)."""
-    acts = np.flatnonzero((model.actuator_trntype <= 1) & (model.actuator_biastype == 1))  # joint, affine
-    acts = acts[model.opt.disableactuator >> np.maximum(model.actuator_group[acts], 0) & 1 == 0]
-    each = -model.actuator_biasprm[acts, term] * model.actuator_gear[acts, 0] ** 2
-    return np.bincount(model.jnt_dofadr[model.actuator_trnid[acts, 0]], each, model.nv)
-
-
-def _freedoms(mujoco: Any, model: Any) -> Any:
-    """The table of `FREEDOM`, (nv,)."""
-    freedoms, which = np.zeros(model.nv, FREEDOM), mujoco.mjtIntegrator
-    freedoms["first"], freedoms["last"] = model.M_rowadr, model.M_rowadr + model.M_rownnz - 1
-    freedoms["damping"] = model.dof_damping + _of_servos(model, 2)
-    freedoms["stiffness"] = _of_servos(model, 1)
-    turns = model.jnt_type >= 2  # hinges and slides, whose springs have one number
-    freedoms["stiffness"][model.jnt_dofadr[turns]] += model.jnt_stiffness[turns]
-    if model.opt.integrator != which.mjINT_RK4:
-        euler = model.opt.integrator == which.mjINT_EULER
-        freedoms["implicit"] = model.dof_damping if euler else freedoms["damping"]
-    return freedoms
 
 
 def _keep(contact: Contact) -> None:

@@ -38,7 +38,7 @@ def responses(address, rows):
     for a in range(len(m)):
         m[a] = space.inertia[0, a]
     for k in range(len(freedoms)):
-        m[freedoms[k].last] += space.step[0].dt * freedoms[k].implicit
+        m[freedoms[k].last] += space.step[0].dt * space.drift[steps.ADDED, k]
         for j in range(n):
             x[k, j] = space.jacobian[rows[j], k]
     for k in range(len(freedoms) - 1, -1, -1):

@@ -14,6 +14,7 @@ from numba.np.arrayobj import populate_array
 
 from footopt.compiled import called_fast, inlined, inlined_fast
 from footopt.mujoco.faces import AREA, COLUMNS, NX, NZ, X, Y, Z, cross, dot, plus
+from footopt.mujoco.joints import FREEDOM, SERVO
 
 AGAIN, NEW, HOLD, RESTART = range(4)
 
@@ -22,7 +23,9 @@ COUNTED = ("steps", "evaluations", "failures", "restarts")
 STEP = np.dtype(
     [
         ("dt", float),  # s
-        ("rk4", np.int64),  # 1 where the integrator is RK4, 0 elsewhere
+        ("rk4", np.int64),  # 1 where the integrator is RK4, 0 elsewhere: others take damping implicitly ...
+        ("implicit", np.int64),  # ... and servos' where this is 1 ...
+        ("ahead", float),  # ... and stiffness over this time, s
         ("time", float),  # s: MuJoCo's
         ("bypass", np.int64),  # 1 where the gates of effects are not applied
         ("bodies", np.int64),  # near the sand
@@ -51,17 +54,6 @@ BODY = np.dtype(
     ]
 )
 
-#: A degree of freedom of MuJoCo's, in radians or metres.
-FREEDOM = np.dtype(
-    [
-        ("first", np.int64),  # of its row in the sparse inertia
-        ("last", np.int64),  # of its row: the diagonal's element
-        ("implicit", float),  # damping that MuJoCo's integrator adds to the inertia, N m s
-        ("damping", float),  # of joint and servos, N m s
-        ("stiffness", float),  # N m
-    ]
-)
-
 #: Rows of `Workspace.vectors`: twists at the beginning, m/s and rad/s; mean wrenches over the step before, N
 #: and N m; accelerations by all but the sand, and by the sand; mean wrenches that it gives, and the end's.
 TWIST, BEFORE, FREE, GAINED, MEAN, END = range(6)
@@ -71,9 +63,10 @@ TWIST, BEFORE, FREE, GAINED, MEAN, END = range(6)
 BEGAN, START, SEEN = range(3)
 #: Rows of `Workspace.spent`: work of the sand over the steps before, J, and over the step.
 WORK, PENDING = range(2)
-#: Rows of `Workspace.drift`: speeds, and by how much more damping and stiffness pull back than in the step
-#: before, N m.
-SPEED, PULL = range(2)
+#: Rows of `Workspace.drift`: speeds; by how much more joints and servos pull back than in the step before,
+#: N m, and its part that this step's servos do not change; how speeds changed but for the sand; the servos'
+#: torques, N m, and the damping that MuJoCo's integrator adds to the inertia, N m s.
+SPEED, PULL, PAST, CHANGE, TORQUE, ADDED, DRIFT = range(7)
 
 #: Addresses: functions of MuJoCo's, of footopt's, and what is read and written.
 GET_STATE, JAC_BODY, WARN, BEGIN, PREPARE, NEWTON, BEND, WRENCHES, TIME, JACOBIAN, WORDS, OUTSIDE = range(12)
@@ -89,16 +82,22 @@ class Workspace(NamedTuple):
     step: Any  # (1,) of `STEP`
     bodies: Any  # (b,) of `BODY`
     freedoms: Any  # (nv,) of `FREEDOM`
+    servos: Any  # of `SERVO`
     columns: Any  # (1, nC): of MuJoCo's inertia
     inertia: Any  # (1, nC): MuJoCo's
     places: Any  # (nbody, 3), m: MuJoCo's xpos
     attitude: Any  # (nbody, 9): xmat
     velocity: Any  # (1, nv): qvel
     passive: Any  # (1, nv): qfrc_passive
+    controls: Any  # (1, nu): ctrl
+    activations: Any  # (1, na): act
+    lengths: Any  # (1, outputs): actuator_length
+    speeds: Any  # (1, outputs): actuator_velocity
     faces: Any  # (1, 10 p): `faces.X` and so on, a body's as (10, its faces)
     moment: Any  # (1, 3)
     spent: Any  # (2, b)
-    drift: Any  # (2, nv)
+    drift: Any  # (`DRIFT`, nv)
+    gained: Any  # (1, nv): by the mean wrenches
     bristles: Any  # (3, 3 p): at the step's beginning, middle, end
     vectors: Any  # (6, 6 b): of the bodies' origins in their own axes, linear, then angular; see `TWIST`
     jacobian: Any  # (6 b, nv): of all bodies; `align` turns it
@@ -108,7 +107,6 @@ class Workspace(NamedTuple):
     chosen: Any  # (3, 6 b): bodies near the sand, and rows of their twists that move, of those and of all
     factor: Any  # (1, nC): of the inertia
     answers: Any  # (nv, 6 b): accelerations by wrenches, of the rows that move
-    gained: Any  # (1, nv): by the mean ones
     mobility: Any  # (6 b, 6 b): W, of the rows that move
     stiffness: Any  # (6 b, 6): dF/dV of the near bodies
     system: Any  # (6 b + 1, 6 b + 1): of equations
@@ -136,8 +134,9 @@ def _workspace(typingctx: Any, table: Any) -> Any:
             arrays.append(array._getvalue())
         return context.make_tuple(builder, signature.return_type, arrays)
 
-    kinds = {"step": STEP, "bodies": BODY, "freedoms": FREEDOM, **dict.fromkeys(WHOLE, np.dtype(np.int64))}
-    given = (kinds.get(name, np.dtype(float)) for name in Workspace._fields)
+    kinds = {"step": STEP, "bodies": BODY, "freedoms": FREEDOM, "servos": SERVO}
+    plain = {name: np.dtype(np.int64 if name in WHOLE else float) for name in Workspace._fields}
+    given = (plain | kinds).values()
     arrays = [types.Array(from_dtype(of), 2 - bool(of.fields), "C", aligned=not of.fields) for of in given]
     return types.NamedTuple(arrays, Workspace)(table), generate
 
@@ -182,6 +181,38 @@ def align(address):
             row = rows[0, j], rows[1, j], rows[2, j]
             for a in range(3):
                 rows[a, j] = dot((axes[a], axes[3 + a], axes[6 + a]), row)
+
+
+@called_fast
+def pulls(address, meaning):
+    """Find by how much more joints and servos pull back in a step than in the one before."""
+    space = workspace(address)
+    step, drift, dt = space.step[0], space.drift, space.step[0].dt
+    for k in range(len(space.freedoms)):
+        freedom, speed = space.freedoms[k], space.velocity[0, k]
+        if meaning != AGAIN:
+            gain = speed - drift[SPEED, k]
+            pull = freedom.damping * gain + dt * freedom.stiffness * speed + drift[TORQUE, k]
+            drift[CHANGE, k] = gain - dt * space.gained[0, k] if meaning == NEW else 0.0
+            drift[PAST, k] = pull - drift[ADDED, k] * drift[CHANGE, k] if meaning == NEW else 0.0
+        drift[SPEED, k], ahead = speed, step.ahead * freedom.stiffness
+        drift[ADDED, k], drift[TORQUE, k] = (1 - step.rk4) * freedom.damping + ahead, -ahead * speed
+        space.gained[0, k] = 0.0
+    for i in range(len(space.servos)):
+        servo = space.servos[i]
+        k, length, speed = servo.freedom, space.lengths[0, servo.output], space.speeds[0, servo.output]
+        direct = servo.control >= 0
+        given = space.controls[0, servo.control] if direct else space.activations[0, servo.activation]
+        given = min(max(given, servo.inputs[0]), servo.inputs[1])
+        by_length, by_speed = servo.bias[1] + servo.gain[1] * given, servo.bias[2] + servo.gain[2] * given
+        free = servo.bias[0] + servo.gain[0] * given + by_length * length + by_speed * speed
+        force = min(max(free, servo.forces[0]), servo.forces[1])
+        if step.implicit and servo.forces[0] < free < servo.forces[1]:
+            drift[ADDED, k] -= servo.gear * servo.gear * (by_speed + step.ahead * by_length)
+            force += step.ahead * by_length * speed
+        drift[TORQUE, k] += servo.gear * force
+    for k in range(len(space.freedoms)):
+        drift[PULL, k] = drift[PAST, k] - drift[TORQUE, k] + drift[ADDED, k] * drift[CHANGE, k]
 
 
 def begin(address, meaning):
@@ -235,11 +266,7 @@ def begin(address, meaning):
                 vectors[FREE, i] = dot((g[0], g[1], g[2]), (frame[a], frame[3 + a], frame[6 + a]))
         vectors[TWIST, i] = twist
         vectors[GAINED, i] = vectors[MEAN, i] = vectors[END, i] = 0.0
-    if meaning != AGAIN:
-        for k in range(len(space.freedoms)):
-            freedom, speed = space.freedoms[k], velocity[k]
-            pull = freedom.damping * (speed - space.drift[SPEED, k]) + step.dt * freedom.stiffness * speed
-            space.drift[PULL, k], space.drift[SPEED, k] = pull if meaning == NEW else 0.0, speed
+    pulls(address, meaning)
     for i in range(space.bristles.shape[1]):
         if meaning != AGAIN:
             space.bristles[0, i] = space.bristles[2, i]

@@ -181,9 +181,11 @@ def judged(robot: Any, t: Array, sensed: Array, sand: Array, states: Array, coun
         reason = "backward"
     if not reason:
         late = t >= robot.after - 1e-9
-        # force of a step: an implicit integrator takes the damping of servos at its end
+        # force of a step: an implicit integrator takes the damping of servos at its end, but at their limits
         damping = np.where(m.actuator_biastype == 1, m.actuator_biasprm[:, 2], 0.0)
-        mean = force[:-1] + (m.opt.integrator > RK4) * damping * np.diff(speed, axis=0)
+        low, high = np.where(m.actuator_forcelimited[:, None], m.actuator_forcerange, [-np.inf, np.inf]).T
+        implicit = (m.opt.integrator > RK4) & (low < force[:-1]) & (force[:-1] < high)
+        mean = force[:-1] + implicit * damping * np.diff(speed, axis=0)
         power = np.maximum(mean * 0.5 * (speed[:-1] + speed[1:]), 0.0).sum(axis=1)
         v = velocity[late, 0]
         totals |= {

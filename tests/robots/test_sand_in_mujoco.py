@@ -8,6 +8,7 @@ from footopt.effects import Inertia, Layers, LeadingEdge, Rest
 from footopt.gait import Pose
 from footopt.mujoco import attach
 from footopt.mujoco.faces import EDGE
+from footopt.mujoco.implicit import TWISTS
 from footopt.walk.plates import plate_states
 
 mujoco = pytest.importorskip("mujoco")
@@ -130,6 +131,37 @@ def test_forces_are_those_of_the_planar_law_with_its_effects(block, effects):
         assert found == pytest.approx(each.sum(axis=0), rel=1e-9, abs=1e-7)
         assert -wrench[4] == pytest.approx(np.sum(rx * each[:, 1] - rz * each[:, 0]), rel=1e-9, abs=1e-7)
         assert wrench[[1, 3, 5]] == pytest.approx(0.0, abs=1e-8)
+
+
+LEG = """
+<mujoco><option timestep=".002" integrator="{integrator}"/><worldbody><body pos="0 0 .5">
+  <joint type="slide" axis="0 0 1"/><geom size=".1" mass="59"/><body name="foot" pos="0 0 -.49">
+    <joint name="leg" type="slide" axis="0 0 -1" {spring}/><geom type="box" size=".13 .05 .005" mass="1"/>
+</body></body></worldbody><actuator><{servo} joint="leg"/></actuator></mujoco>
+"""
+SERVOS = (
+    'motor gear="30000"', 'position kp="3e4" kv="300" ctrlrange="-.01 .01"', 'velocity kv="500" gear="-2"',
+    'position kp="3e4" kv="300" forcerange="-400 400"', 'intvelocity kp="3e4" kv="100" actrange="-.02 .02"',
+    'general gaintype="affine" gainprm="100 2e4 10" biastype="affine" biasprm="5 -3e4 -300"',
+    'general dyntype="filter" dynprm=".01" gainprm="3e4" biastype="affine" biasprm="5 -3e4 -300"',
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("integrator", [name for name in INTEGRATORS if name != "RK4"])
+@pytest.mark.parametrize("spring", ["", 'stiffness="3e4" damping="200"'])
+@pytest.mark.parametrize("servo", SERVOS)
+def test_sand_foresees_where_servos_and_springs_bring_a_light_foot(servo, spring, integrator, request):
+    integrator = SPELLED.get(integrator, integrator.lower())
+    model = mujoco.MjModel.from_xml_string(LEG.format(integrator=integrator, spring=spring, servo=servo))
+    data, random = mujoco.MjData(model), np.random.default_rng(3)
+    contact = attach(model, data, {"foot": fo.Foot.flat()}, HARD)
+    request.addfinalizer(contact.detach)
+    settle(model, data, 0.04)
+    for _ in range(100):
+        data.ctrl[:] = random.uniform(-0.02, 0.02)
+        mujoco.mj_step(model, data)
+        assert contact.depth["foot"] > 0.0
+        assert contact._space.room[TWISTS, 2] == pytest.approx(data.qvel @ [1.0, -1.0], abs=1e-12)
 
 
 def test_stiffness_is_the_derivative_of_the_wrench(block):

@@ -1,0 +1,66 @@
+"""What joints and their servos do to the feet in a time step, as MuJoCo finds it: tables for `step.pulls`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+#: A degree of freedom of MuJoCo's, in radians or metres.
+FREEDOM = np.dtype(
+    [
+        ("first", np.int64),  # of its row in the sparse inertia
+        ("last", np.int64),  # of its row: the diagonal's element
+        ("damping", float),  # of the joint, N m s
+        ("stiffness", float),  # of the joint, N m
+    ]
+)
+
+#: An actuator of a hinge or slide: (gain . q) input + bias . q with q = (1, length, velocity), in a range.
+SERVO = np.dtype(
+    [
+        ("freedom", np.int64),
+        ("gear", float),
+        ("output", np.int64),  # of its length and velocity in MuJoCo's arrays
+        ("control", np.int64),  # its input in ctrl, or -1 where it is an activation
+        ("activation", np.int64),  # its input in act
+        ("gain", float, 3),
+        ("bias", float, 3),
+        ("inputs", float, 2),  # range
+        ("forces", float, 2),  # range
+    ]
+)
+
+
+def freedoms(model: Any) -> Any:
+    """The table of `FREEDOM`, (nv,)."""
+    table = np.zeros(model.nv, FREEDOM)
+    table["first"], table["last"] = model.M_rowadr, model.M_rowadr + model.M_rownnz - 1
+    table["damping"] = model.dof_damping
+    turns = model.jnt_type >= 2  # hinges and slides, whose springs have one number
+    table["stiffness"][model.jnt_dofadr[turns]] = model.jnt_stiffness[turns]
+    return table
+
+
+def servos(mujoco: Any, model: Any) -> Any:
+    """The table of `SERVO`: enabled actuators with one input. Others are taken to pull as before."""
+    found, everywhere, each = [], (-np.inf, np.inf), np.arange(model.nu)
+    control, output = (getattr(model, f"actuator_{name}adr", each) for name in ("ctrl", "out"))  # since 3.11
+    off = model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_ACTUATION
+    for i in range(0 if off else len(model.actuator_trntype)):
+        joint, dynamics = model.actuator_trnid[i, 0], model.actuator_dyntype[i]
+        affine = model.actuator_gaintype[i], model.actuator_biastype[i]  # 0: fixed gain and no bias
+        known = model.actuator_trntype[i] <= 1 and model.jnt_type[joint] >= 2 and max(affine) <= 1
+        known &= dynamics <= int(mujoco.mjtDyn.mjDYN_FILTEREXACT) and model.actuator_plugin[i] < 0
+        if not known or model.opt.disableactuator >> max(model.actuator_group[i], 0) & 1:
+            continue
+        kind = "act" if dynamics else "ctrl"
+        limited, inputs = (getattr(model, f"actuator_{kind}{what}")[i] for what in ("limited", "range"))
+        forces = model.actuator_forcerange[i] if model.actuator_forcelimited[i] else everywhere
+        found.append((
+            model.jnt_dofadr[joint], model.actuator_gear[i, 0], output[i],
+            -1 if dynamics else control[i], model.actuator_actadr[i] + model.actuator_actnum[i] - 1,
+            model.actuator_gainprm[i, :3] * [1, *2 * affine[:1]], model.actuator_biasprm[i, :3] * affine[1],
+            inputs if limited else everywhere, forces,
+        ))  # fmt: skip
+    return np.array(found, SERVO)
