@@ -74,6 +74,8 @@ def _job(settings: DictConfig) -> Any:
     folder, overrides = Path(here.runtime.output_dir), task_overrides(here)
     alone = here.mode != RunMode.MULTIRUN
     try:
+        allowed = "false: paths are relative to the folder of the command"
+        check(Path.cwd() == Path(here.runtime.cwd), "hydra.job.chdir", True, allowed)
         found = execute(resolved(settings, overrides, str(here.job.config_name)), folder, overrides)
     except (FootoptError, OmegaConfBaseException, OSError, MemoryError) as error:
         if alone and _wants_traceback:

@@ -128,7 +128,7 @@ class FootProblem(Problem):
         k = whole(x, self)
         found = self.evaluate_designs(k)
         out.update(found._asdict(), F=self.minimised(found.values), G=self.constraints(*found))
-        if np.ndim(x) == 2:  # a population holds the soles that have walked; mixed variables are dicts
+        if np.ndim(x) == 2 and (k != x).any():  # a population holds the soles that have walked
             out["X"] = k
 
     def evaluate_designs(self, k: Any) -> Evaluated:
@@ -152,9 +152,11 @@ class FootProblem(Problem):
     def constraints(self, values: Array, reasons: Words, violation: Array) -> Array:
         """G of `Evaluated`, (designs, n_ieq_constr), met where at most 0.
 
-        The walk succeeds; the sole stays in its box (units of H); each of `limits` is kept (relative to it).
+        The walk succeeds and has all objectives; the sole stays in its box (units of H); each of `limits` is
+        kept (relative to it).
         """
-        failed = np.where(reasons == "", -1.0, 1.0)
+        known = np.isfinite(values[:, [self.record.index(name) for name in self.names]]).all(axis=1)
+        failed = np.where((reasons == "") & known, -1.0, 1.0)
         tolerance = self.space.box_tolerance
         box = violation / self.space.H - tolerance if np.isfinite(tolerance) else np.full_like(failed, -1.0)
         limits = [
@@ -167,10 +169,10 @@ class FootProblem(Problem):
         return np.asarray((self.constraints(values, reasons, violation) <= 0.0).all(axis=1))
 
     def reasons(self, values: Array, reasons: Words, violation: Array) -> Words:
-        """Why each design is infeasible, (designs,): why its walk failed, "box", the first limit; or ""."""
+        """Why designs are infeasible, (designs,): their walk, "no value", "box", the first limit; or ""."""
         broken = self.constraints(values, reasons, violation) > 0.0
-        names = np.array(["", "box", *self.limits])
-        first = names[np.where(broken[:, 1:].any(axis=1), 1 + broken[:, 1:].argmax(axis=1), 0)]
+        names = np.array(["", "no value", "box", *self.limits])
+        first = names[np.where(broken.any(axis=1), 1 + broken.argmax(axis=1), 0)]
         return np.where(reasons != "", reasons, first)
 
     def scores(self, values: Array) -> Array:

@@ -264,7 +264,8 @@ def _fingerprint(own: Any, within: tuple[Any, ...] = ()) -> tuple[str, str]:
     within = (*within, inner)
     for one in filter(isfunction, bound):  # a function's own, and not itself again
         digest.update(b"" if one in within else _fingerprint(one, within)[1].encode())
-    for one in [*bound, getattr(inner, "__defaults__", None), *([] if named is inner else [vars(inner)])]:
+    kept = [getattr(inner, name, None) for name in ("__defaults__", "__kwdefaults__")]
+    for one in [*bound, *kept, *([] if named is inner else [getattr(inner, "__dict__", None)])]:
         with suppress(Exception):  # what cannot be pickled is a function, whose file says what it does
             digest.update(pickle.dumps(one))
     module = "__main__" if named.__module__ == "__mp_main__" else named.__module__  # a worker's name of it

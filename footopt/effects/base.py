@@ -119,6 +119,13 @@ def ordered(effects: Sequence[Effect]) -> tuple[Effect, ...]:
     kinds = [type(effect) for effect in effects]
     for effect, kind in zip(effects, kinds, strict=True):
         check(kinds.count(kind) == 1, "effects", kind.__name__, "at most one effect of a kind")
+        check(
+            is_dataclass(effect),
+            "effects",
+            kind.__name__,
+            "a dataclass",
+            "Decorate it: @dataclass(frozen=True)",
+        )
         try:
             hash(effect)
         except TypeError as why:
@@ -140,8 +147,9 @@ def reshaping(effects: Sequence[Effect]) -> Reshape | None:
 
 def gravity(effects: Sequence[Effect], g: float) -> tuple[float, float]:
     """Gravity along a scene's surface (negative uphill) and against its normal, m/s^2."""
-    found = (effect.gravity(g) for effect in effects if type(effect).gravity is not Effect.gravity)
-    return next(found, (0.0, g))
+    found = [effect.gravity(g) for effect in effects if type(effect).gravity is not Effect.gravity]
+    check(len(found) < 2, "effects", [*map(name_of, effects)], "at most one that changes gravity")
+    return found[0] if found else (0.0, g)
 
 
 class Laws(NamedTuple):

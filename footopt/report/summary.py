@@ -165,17 +165,20 @@ def compare(folder: Path, folders: Sequence[Path]) -> int:
     return sum(not r or (r.get("study") == "simulate" and bool(r.get("reason"))) for r in results)
 
 
-def compared(runs: Sequence[Row]) -> tuple[list[dict[str, Any]], Array]:
-    """The objectives that all runs have, those that were sought first, as columns of the page, and values.
+def compared(runs: Sequence[Row], share: float = 1.0) -> tuple[list[dict[str, Any]], Array]:
+    """The objectives that a share of runs has, those sought first, as columns of the page, and values.
 
     J_W is a multiple of the flat foot's where all know it.
     """
     results = [run.result for run in runs]
     sought = dict.fromkeys(name for r in results for name in r.get("objective_names", []))
-    first = {**sought, **results[0]["objectives"]} if results else {}
-    names = [n for n in first if all(n in r["objectives"] and n in r.get("units", {}) for r in results)]
-    columns = [column(name, results[0]["units"][name], results[0]["maximise"][name]) for name in names]
-    values = np.array([[run.objectives[name] for name in names] for run in runs], float)
+    having = {
+        name: [r for r in results if name in r["objectives"] and name in r.get("units", {})]
+        for name in (*sought, *(name for r in results for name in r["objectives"]))
+    }
+    names = [name for name, those in having.items() if len(those) >= max(share * len(results), 1)]
+    columns = [column(n, having[n][0]["units"][n], having[n][0]["maximise"][n]) for n in names]
+    values = np.array([[run.objectives.get(name, np.nan) for name in names] for run in runs], float)
     flat = [run.flat for run in runs]
     if "efficiency" in names and np.isfinite(flat).all():
         values[:, names.index("efficiency")] /= flat
@@ -186,7 +189,7 @@ def compared(runs: Sequence[Row]) -> tuple[list[dict[str, Any]], Array]:
 def _print_table(folder: Path, runs: Sequence[Row], labels: Sequence[str]) -> None:
     """Print a row for each run with as many objectives as fit, and the best run of one objective."""
     out, done = console(), [i for i, run in enumerate(runs) if run.objectives]
-    columns, values = compared([runs[i] for i in done])
+    columns, values = compared([runs[i] for i in done], 0.5)
     titles = [f"{c['title']} ({c['unit']})".removesuffix(" ()") for c in columns]
     laws = ["J_W by other laws"] * any(run.under_laws for run in runs)
     fit = max((out.width - ROOM - RANGE * len(laws)) // COLUMN, 1)

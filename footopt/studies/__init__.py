@@ -264,6 +264,8 @@ ONLY: tuple[tuple[tuple[str, ...], str, Callable[[Config], bool]], ...] = (
     (OUTLINE, *_of("outline")),
     (("gait.path",), "gait=file", lambda c: c.gait.name != "human"),
     (("gait.names", "gait.side", "gait.window"), "gait=file gait.path=walk.mot", lambda c: bool(c.gait.path)),
+    (("accuracy.name",), "an accuracy without accuracy.tolerance",
+     lambda c: c.accuracy.tolerance is None or c.accuracy.name == "custom"),
     (("robot",), "simulator=robot, biped", lambda c: c.simulator.name != "walker"),
     (("walker", "scene", "effects.auto", "study.spread.mass"), "simulator=walker",
      lambda c: c.simulator.name == "walker"),

@@ -172,10 +172,11 @@ def table(objective: str, feet: Sequence[str], regrets: Array) -> RichTable:
 
 def _remarks(feet: Sequence[str], regrets: Array) -> list[str]:
     """Where a specialist is not the best of its scenario."""
-    beaten = [name for name, own in zip(feet, regrets.diagonal(), strict=False) if own > 0.0]
+    best = np.nanmin(regrets, axis=0, initial=np.inf)
+    beaten = [name for name, own, least in zip(feet, regrets.diagonal(), best, strict=False) if own > least]
     if not beaten:
         return []
     return [
-        f"{', '.join(beaten)}: another specialist is better than this scenario's own, whose search did "
-        "not find the best foot. Regrets are against the better one; a larger solver.walks may help."
+        f"{', '.join(beaten)}: another foot is better than this scenario's own, whose search did "
+        "not find the best foot. Regrets are against the best specialist; a larger solver.walks may help."
     ]

@@ -1,5 +1,6 @@
 """Runs: `Study`, one at work, what may begin or go on in a folder, and `load`, a run as an object."""
 
+import logging
 import os
 import shlex
 from collections.abc import Collection, Mapping, Sequence
@@ -10,6 +11,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, cast
 
+import numpy as np
 from omegaconf import OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
@@ -39,7 +41,10 @@ from footopt.studies.settings import (
 from footopt.walk import Accuracy, Scene, Simulator, Walk, simulate
 from footopt.walk.accuracy import AnyAccuracy, confirming
 from footopt.walk.loop import at_once
+from footopt.walk.objectives import relative_change
 
+log = logging.getLogger(__name__)
+SAME = 1e-6  # relative: processors differ by less
 BUDGETS = ("walks", "n_gen")  # settings of the solver that may make a search longer
 
 
@@ -91,21 +96,12 @@ class Study(Output):
         return make_executor(self.config.engine.name, self.config.engine.workers)
 
     def store(self, problem: FootProblem) -> Store:
-        """Where designs are kept; a `FootoptError` if others would replace a finished run's result."""
-        store = Store(self.options.store or self.folder / "designs.sqlite", problem, self.options.reuse)
-        before = result_of(self.folder) or {}
-        if store.foreign and self.options.reuse:
+        """Where designs are kept; see `opened`."""
+        path, before = self.options.store or self.folder / "designs.sqlite", result_of(self.folder) or {}
+        same = before and before["settings"]["study"].get("store") == self.settings["study"].get("store")
+        store = opened(self.folder, path, problem, self.options.reuse, bool(same))
+        if self.options.reuse and store.foreign:
             self.foreign = store.foreign
-        elif before and finished(before):
-            there = before["settings"]["study"].get("store") == self.settings["study"].get("store")
-            own = there and type(problem) is FootProblem  # whose designs, of a finished run, are there
-            if other := store.foreign or (store.nearest if own else []):
-                store.close()
-                hint = "; or add study.reuse=true, if you know that the walks are the same"
-                raise FootoptError(
-                    f"{self.folder}: other code, or with other files, has walked this finished run "
-                    f"({listed(other)}). Start a new run{hint if store.foreign else ''}."
-                )
         return store
 
     @property
@@ -113,6 +109,32 @@ class Study(Output):
         """The run for the page's commands: its folder, as seen from here, and its overrides."""
         overrides = [one for one in self.overrides if not one.startswith("study.start=")]
         return {"folder": shlex.quote(os.path.relpath(self.folder)), "overrides": shlex.join(overrides)}
+
+
+def opened(folder: Path, path: str | Path, problem: FootProblem, reuse: bool, own: bool) -> Store:
+    """A run's store; a `FootoptError` if others would replace a finished run's result.
+
+    `own` says whether the store is that in which the run has left its designs.
+    """
+    store = Store(path, problem, reuse)
+    other = store.foreign or (store.nearest if own and type(problem) is FootProblem else [])
+    if other and not (reuse and store.foreign) and finished(result_of(folder)):
+        store.close()
+        hint = "; or add study.reuse=true, if you know that the walks are the same" if store.foreign else ""
+        why = f"other code, or with other files, has walked this finished run ({listed(other)})"
+        raise FootoptError(f"{folder}: {why}. Start a new run{hint}.")
+    return store
+
+
+def changed_since(result: Mapping[str, Any], walk: Walk) -> list[str]:
+    """That a walk is not the one in a run's result, where the run was of the same: a file has changed."""
+    values, before = walk.objectives, result.get("objectives") or {}
+    for name in values.keys() & before.keys():
+        value, once = values[name], before[name]
+        if once is not None and abs(relative_change(np.array(value), np.array(once))) > SAME:
+            why = "A file that the run reads has changed since, or code"
+            return [f"{why}: {name.replace('_', ' ')} is {value:.4g}, and was {once:.4g}."]
+    return []
 
 
 def check_resumable(folder: Path, before: Mapping[str, Any], after: Mapping[str, Any]) -> None:
@@ -185,6 +207,9 @@ def in_world_of_run(
         world["accuracy"] = dict.fromkeys(run["accuracy"]) | {"name": finer.name}
     foot = run["foot"] | {name: settings["foot"][name] for name in ("k", "block")}
     found, now = (OmegaConf.create({**settings, **new}) for new in ({**world, "foot": foot}, {}))
+    for name in given:
+        good = "." in name or (name != "scene" and name in {**settings, **SETTING_OF_GROUP})
+        check(good, name, "given", "left out with run=: give what it sets, such as sand=hard")
     changed = {*changed_settings(settings, default), *(SETTING_OF_GROUP.get(name, name) for name in given)}
     for name in sorted(changed):  # a group before what is in it
         if name.partition(".")[0] in world:
@@ -301,10 +326,15 @@ class Run:
 
     def walk(self, accuracy: AnyAccuracy | str | None = None) -> Walk:
         """Walk with its foot in its scene, by default as finely as its own numbers were."""
-        if accuracy is None:
-            saved = self.result.get("accuracy")
-            accuracy = Accuracy(**saved) if saved else build.make_accuracy(self.config.accuracy)
-        return simulate(self.foot, self.scene, accuracy)
+        if accuracy is not None:
+            return simulate(self.foot, self.scene, accuracy)
+        saved = self.result.get("accuracy")
+        walk = simulate(
+            self.foot, self.scene, Accuracy(**saved) if saved else build.make_accuracy(self.config.accuracy)
+        )
+        for note in changed_since(self.result, walk):
+            log.warning("%s: %s", self.folder, note)
+        return walk
 
     def search(self, **budget: int) -> SearchResult:
         """Its search, from its store: what is missing is walked and kept there; n_gen goes further."""
@@ -316,7 +346,7 @@ class Run:
         path = self.folder / (config.study.store or "designs.sqlite")
         build.check_trusted(self.folder, self.settings, () if self.trusted else ["study.store"])
         start = build.make_start(config.study.start, problem.space)
-        with Store(path, problem, config.study.reuse) as store:
+        with opened(self.folder, path, problem, config.study.reuse, True) as store:
             return search(problem, solver, store=store, start=start)
 
 

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -10,13 +11,15 @@ from rich.text import Text
 from footopt.errors import check
 from footopt.files import io as files
 from footopt.files.feet import body_outline, write_all, write_foot
+from footopt.files.identity import result_of
 from footopt.foot import Foot
 from footopt.report import terminal
 from footopt.report.numbers import title
 from footopt.report.output import foot_entry, scene_entry
+from footopt.studies import ROBOT, SCENE
 from footopt.studies.build import make_space, make_strides
 from footopt.studies.effects import choose_effects
-from footopt.studies.runs import Study, foot_of
+from footopt.studies.runs import Study, changed_since, foot_of
 from footopt.walk import Walk, simulate
 from footopt.walk.checks import Diagnostic, diagnose
 from footopt.walk.resolution import error_of, resolution
@@ -44,6 +47,10 @@ def run(study: Study) -> Any:
 
         study.save("gait", gait_fit(strides, walk.world.gait))
     notes = [*foot.notes, *write_walk(study, walk, {title(foot.name): walk}), *_undefined(walk, values)]
+    before = result_of(Path(folder)) if folder and k is None else None
+    if before and all(before["settings"][name] == study.settings[name] for name in (*SCENE, *ROBOT)):
+        same = before.get("accuracy") == asdict(walk.accuracy)
+        notes += changed_since(before, walk) if same else []
     about = {"design": foot_entry(foot), "feasible": walk.feasible, "reason": walk.reason}
     record = study.write_result({**about, **entry, "notes": notes, "gait_file": read})
     if study.wants_report:

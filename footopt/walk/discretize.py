@@ -79,15 +79,18 @@ def poses(path: Path, accuracy: Accuracy) -> tuple[Array, Array, tuple[Array, ..
         raise SettingError("accuracy.dt", accuracy.dt, allowed, hint)
     tables = long_pose_tables if pose_rows(path, accuracy) > LONG else pose_tables
     # whatever the control is, its tables are the same
-    return tables(path, Accuracy(accuracy.stepper, accuracy.dt, control=accuracy.control and 1.0))
+    like = Accuracy(accuracy.stepper, accuracy.dt, control=accuracy.control and 1.0)
+    return tables(path, like, STEPPERS[accuracy.stepper].nodes)
 
 
-def _pose_tables(path: Path, accuracy: Accuracy) -> tuple[Array, Array, tuple[Array, ...]]:
-    times, nodes = time_grid(path, accuracy), np.asarray(STEPPERS[accuracy.stepper].nodes)
+def _pose_tables(
+    path: Path, accuracy: Accuracy, nodes: tuple[float, ...]
+) -> tuple[Array, Array, tuple[Array, ...]]:
+    times = time_grid(path, accuracy)
     pose = partial(path.gait.pose, l1=path.l1, l2=path.l2)
     tables = []
     for level in range(1 if accuracy.control is None else 1 + HALVINGS):
-        parts = (np.arange(2**level)[:, None] + nodes) / 2**level
+        parts = (np.arange(2**level)[:, None] + np.asarray(nodes)) / 2**level
         t = (times[:-1, None, None] + np.diff(times)[:, None, None] * parts).ravel()
         tables.append(pose(t).table().reshape(-1, len(nodes), 2, 7))
     return times, pose(np.zeros(1)).table()[0], tuple(tables)

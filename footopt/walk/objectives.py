@@ -238,8 +238,9 @@ def lacking(o: Objective, simulator: Simulator) -> str:
     """What a simulator does not give that an objective takes: a quantity, or a part such as its walker."""
     try:
         if o.of == "raw":
-            o.value({name: np.ones(1) for name in simulator.quantities}, simulator)
-    except (KeyError, AttributeError) as why:
+            shape = np.shape(o.value({name: np.ones(1) for name in simulator.quantities}, simulator))
+            check(shape == (1,), o.name, f"of shape {shape}", "of shape (designs,)")
+    except Exception as why:  # of a user's own, too
         return f"{type(why).__name__}: {why}"
     return "a trace" if o.of == "walk" and type(simulator).trace is Simulator.trace else ""
 

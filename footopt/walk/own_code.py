@@ -1,8 +1,11 @@
 """The compiled functions of a walk with a user's own effects or stepper, by a digest of their source."""
 
+import ast
 import hashlib
 import inspect
 import marshal
+import sys
+import sysconfig
 from collections.abc import Callable, Sequence
 from functools import lru_cache
 from pathlib import Path
@@ -10,6 +13,12 @@ from typing import Any
 
 from footopt.compiled import cached_njit, wide_njit
 from footopt.effects.base import HOOKS
+
+#: Folders of footopt and of all that is installed, whose versions say what it is.
+INSTALLED = (
+    str(Path(__file__).parents[1]),
+    *{sysconfig.get_path(name) for name in ("stdlib", "purelib", "platlib")},
+)
 
 
 def is_own(thing: Any) -> bool:
@@ -31,16 +40,35 @@ def digest_of(functions: tuple[Any, ...]) -> str:
 
 
 def source_of(thing: Any) -> bytes:
-    """The file that a function or type is in, with what it may call; its code if typed into a session."""
+    """The file that a function or type is in, and the user's that it imports; its code if it has no file."""
     try:
-        return Path(inspect.getfile(thing)).read_bytes()
-    except (OSError, TypeError):
+        files = {inspect.getfile(thing): b""}
+        _read(sys.modules[thing.__module__], files)
+        return b"".join(files.values()) or Path(*files).read_bytes()
+    except (OSError, TypeError, KeyError):
         parts = vars(thing).values() if isinstance(thing, type) else [thing]
         return b"".join(marshal.dumps(part.__code__) for part in parts if hasattr(part, "__code__"))
 
 
+def _read(module: Any, files: dict[str, bytes]) -> None:
+    """Read the file of a user's module, and those of the user's modules that it imports."""
+    path = getattr(module, "__file__", None) or ""
+    if files.get(path) or not path.endswith(".py") or path.startswith(INSTALLED):
+        return
+    files[path] = Path(path).read_bytes()
+    for node in ast.parse(files[path]).body:  # which every process imports
+        if isinstance(node, ast.ImportFrom):
+            package = module.__package__.split(".")[: -node.level + 1 or None] if node.level else []
+            within = ".".join([*package, *filter(None, [node.module])])
+            names = [within, *(f"{within}.{one.name}" for one in node.names)]
+        else:
+            names = [one.name for one in node.names] if isinstance(node, ast.Import) else []
+        for name in filter(sys.modules.__contains__, names):
+            _read(sys.modules[name], files)
+
+
 @lru_cache(maxsize=32)
-def _compiled(function: Callable[..., Any], key: str, compiler: Callable[..., Any]) -> Any:
+def _compiled(function: Callable[..., Any], key: Any, compiler: Callable[..., Any]) -> Any:
     """A function, compiled anew for every key."""
     return compiler(nogil=True, error_model="numpy")(function)
 
@@ -53,4 +81,4 @@ def compiled_for(function: Callable[..., Any], laws: Sequence[Any], stepper: Any
     """
     own = own_code(laws, stepper)
     key = digest_of(tuple(thing for thing in own if not isinstance(thing, type)))
-    return _compiled(function, key, wide_njit if own else cached_njit)
+    return _compiled(function, (key, own), wide_njit if own else cached_njit)
