@@ -32,8 +32,8 @@ from footopt.report.summary import load_all as load_all
 from footopt.sand import Sand as Sand
 from footopt.sand import StressMap as StressMap
 from footopt.sand import stress as stress
-from footopt.studies.runs import Run as Run
-from footopt.studies.runs import load as load
+from footopt.studies.load import Run as Run
+from footopt.studies.load import load as load
 from footopt.walk import Accuracy as Accuracy
 from footopt.walk import FunctionSimulator as FunctionSimulator
 from footopt.walk import Scene as Scene

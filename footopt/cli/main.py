@@ -30,7 +30,8 @@ from footopt.files.identity import Occupied, finished, result_of
 from footopt.files.io import write_text
 from footopt.studies import searches, text, within
 from footopt.studies.build import GROUPS, absolute, check_trusted, load_plugins
-from footopt.studies.runs import BUDGETS, Run, check_resumable, load, run_study
+from footopt.studies.load import Run, load
+from footopt.studies.runs import BUDGETS, check_resumable, run_study
 from footopt.studies.settings import CHANGEABLE, CODE, WRITTEN, chosen, structured
 from footopt.walk.objectives import lookup
 
@@ -75,7 +76,8 @@ def _job(settings: DictConfig) -> Any:
     alone = here.mode != RunMode.MULTIRUN
     try:
         allowed = "false: paths are relative to the folder of the command"
-        check(Path.cwd() == Path(here.runtime.cwd), "hydra.job.chdir", True, allowed)
+        os.chdir(here.runtime.cwd)
+        check(not here.job.chdir, "hydra.job.chdir", True, allowed)
         found = execute(resolved(settings, overrides, str(here.job.config_name)), folder, overrides)
     except (FootoptError, OmegaConfBaseException, OSError, MemoryError) as error:
         if alone and _wants_traceback:

@@ -60,6 +60,8 @@ def translate(error: BaseException, overrides: Sequence[str]) -> FootoptError | 
         if name in ("effects", "objective") or name not in groups():
             hint = f"For a list: '{name}=[{value}]'. {hint}"
         return SettingError(name, value, "one value", hint)
+    if group and not choice and group not in groups():  # footopt -cn nothere
+        return SettingError("--config-name", group, "a settings file", f"There is no {group}.yaml.")
     if group:  # footopt sand=mud
         own = next((name for name in names if name.startswith(f"{group}.") and name != f"{group}.name"), "")
         hint = "Others of pymoo go by class: solver.name=soo.nonconvex.de.DE" if group == "solver" else ""

@@ -84,6 +84,8 @@ def search(
         The store was opened for another problem.
     """
     check_kind(problem, FootProblem, "problem", "Try fo.FootProblem(scene)")
+    own, hint = type(problem)._evaluate is FootProblem._evaluate, "Override walk, minimised or constraints."
+    check(own, "problem", type(problem).__name__, "one with the _evaluate of a FootProblem", hint)
     ends = stop is None or isinstance(stop, tuple) or hasattr(stop, "has_terminated")
     check(ends, "stop", stop, "a termination of pymoo", 'Try ("n_gen", 50)')
     for name, value in budget.items():

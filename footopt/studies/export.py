@@ -9,7 +9,8 @@ from footopt.errors import SettingError
 from footopt.files.feet import MM, body_outline, write_all
 from footopt.report import figures, terminal
 from footopt.report.output import foot_entry
-from footopt.studies.runs import Study, foot_of
+from footopt.studies.load import foot_of
+from footopt.studies.runs import Study
 
 #: Contents of each file.
 HOLDS = {

@@ -19,7 +19,8 @@ from footopt.report.output import foot_entry, scene_entry
 from footopt.studies import ROBOT, SCENE
 from footopt.studies.build import make_space, make_strides
 from footopt.studies.effects import choose_effects
-from footopt.studies.runs import Study, changed_since, foot_of
+from footopt.studies.load import changed_since, foot_of
+from footopt.studies.runs import Study
 from footopt.walk import Walk, simulate
 from footopt.walk.checks import Diagnostic, diagnose
 from footopt.walk.resolution import error_of, resolution
@@ -90,10 +91,15 @@ def judged(
     `chosen` are the effects that an audit chose.
     """
     errors = error_of(walk, names)
+    try:
+        level = flat.measures(names)
+    except Exception as error:  # of a user's own measure, whose feet a search leaves out
+        study.say(f"The flat sole has no measures: {type(error).__name__}: {error}")
+        level = dict.fromkeys(names, math.nan)
     diagnostics = [*diagnose(walk), *resolution(walk, errors)]
     entry = {
         "objectives": walk.measures(names),
-        "flat": flat.measures(names),
+        "flat": level,
         "error_estimate": errors,
         **scene_entry(walk.scene, walk.accuracy, names),
         "validity": {d.name: d.value for d in diagnostics},

@@ -63,6 +63,11 @@ LIKEWISE = {
     "solver.name=moo.rnsga2.RNSGA2 objective=pareto": "ref_points",
     "solver.name=soo.nonconvex.ga.FitnessSurvival": "solver.name",
     "simulator=biped robot.joints={knee:left_hip}": "robot.joints = 'knee'",
+    "sand.zeta=???": "sand.zeta",
+    "constraint=null": "constraint",
+    "hydra.job.chdir=true": "hydra.job.chdir",
+    "accuracy=fine accuracy.tolerance=.01": "accuracy.name = 'fine'",
+    "-cn nowhere": "nowhere",
 }
 
 

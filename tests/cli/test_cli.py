@@ -7,7 +7,7 @@ import pytest
 from running import QUICK, footopt, only_folder
 
 import footopt as fo
-from footopt.studies.runs import foot_of
+from footopt.studies.load import foot_of
 
 STEP = ["step"] if find_spec("OCP") else []  # needs footopt[cad]
 

@@ -2,14 +2,16 @@
 
 import importlib.util
 import sys
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 from numba.core.caching import NullCache
 
 import footopt as fo
-from footopt.effects import laws
+from footopt.effects import Effect, laws
+from footopt.effects.dual import clipped
 from footopt.errors import SettingError
 from footopt.walk.loop import walk_designs
 from footopt.walk.own_code import compiled_for
@@ -38,6 +40,26 @@ class Damp(Effect):
     def law(self):
         return DampLaw(self.rate, self.cohesion)
 """
+
+
+def pressing(pressure):
+    """An effect whose law closes over a pressure, Pa."""
+
+    class PressLaw(NamedTuple):
+        share: float
+
+        def push(self, vn, depth):
+            return self.share * pressure * clipped(depth / 1e-3, 0.0, 1.0)
+
+    @dataclass(frozen=True)
+    class Press(Effect):
+        share: float = 1.0
+
+        @property
+        def law(self):
+            return PressLaw(self.share)
+
+    return Press()
 
 
 @pytest.fixture(scope="module")
@@ -77,6 +99,16 @@ class TestAnEffectOfOnesOwn:
         kept, not_kept = (compiled_for(walk_designs, on, stepper) for on in ((), (own.Damp().law,)))
         assert isinstance(not_kept._cache, NullCache)
         assert not isinstance(kept._cache, NullCache)
+
+    @pytest.mark.slow  # of compiling
+    def test_classes_of_one_function_differ_by_what_they_close_over(self, flat_foot):
+        works = {}
+        for order in ((0.0, 2e4), (2e4, 0.0)):  # a class made anew has the same name and fields
+            for pressure in order:
+                scene = fo.Scene(effects=(pressing(pressure),), t_f=0.8)
+                work = fo.simulate(flat_foot, scene, fo.Accuracy()).objectives["work"]
+                assert works.setdefault(pressure, work) == work
+        assert works[0.0] != works[2e4]
 
     def test_a_law_that_changes_nothing_is_refused(self, own):
         class Loose(own.Damp):

@@ -58,16 +58,22 @@ class TestPlugins:
         with pytest.raises(SettingError, match="a solver of several objectives"):
             Solver("hill_climbing").build(2)
 
-    def test_a_store_knows_the_source_of_an_objective_of_one_s_own(self, tmp_path):
-        own = tmp_path / "own_objective.py"
-        text = (CUSTOM / "objective.py").read_text(encoding="utf-8")
+    def test_a_store_knows_the_source_of_an_objective_of_one_s_own_and_what_it_imports(
+        self, tmp_path, monkeypatch
+    ):
+        own, imported = tmp_path / "own_objective.py", tmp_path / "tariffs.py"
+        text = (CUSTOM / "objective.py").read_text(encoding="utf-8") + "\nfrom tariffs import PRICE\n"
         own.write_text(text, encoding="utf-8")
+        imported.write_text("PRICE = 1.0", encoding="utf-8")
+        monkeypatch.syspath_prepend(tmp_path)
         load_plugins([str(own)])
         problem = fo.FootProblem(objective="work_per_metre")
         before = key_of(problem)
         assert "own_objective.work_per_metre" in before["own"]
         own.write_text(text.replace('raw["work"] /', '2.0 * raw["work"] /'), encoding="utf-8")
-        assert key_of(problem)["own"] != before["own"]
+        assert (after := key_of(problem)["own"]) != before["own"]
+        imported.write_text("PRICE = 2.0", encoding="utf-8")
+        assert key_of(problem)["own"] != after
         assert key_of(fo.FootProblem())["own"] == {}
 
     def test_a_store_knows_the_sources_of_two_plugins_whose_classes_have_one_name(self, tmp_path):

@@ -18,12 +18,13 @@ from pymoo.termination import get_termination
 from pymoo.util.ref_dirs import get_reference_directions
 from searching import SMALL, assert_same, problem
 
-from footopt.design import search
+from footopt.design import FootProblem, search
 from footopt.design.fronts import nondominated
 from footopt.design.solvers import WALKS, Solver, memetic
 from footopt.design.solvers.memetic import Archive, Memetic
 from footopt.design.solvers.operators import SameHeights
 from footopt.errors import SettingError
+from footopt.foot import Waypoints
 
 WAYS = get_reference_directions("das-dennis", 2, n_partitions=11)
 #: Algorithms of one objective, and of several, of pymoo 0.6.2 that take constraints, at their defaults; not
@@ -115,6 +116,28 @@ def test_no_rows_have_no_values(objective):
     p = problem(objective)
     f, g = p.evaluate(np.empty((0, 5)))
     assert (f.shape, g.shape) == ((0, p.n_obj), (0, 2))
+
+
+def test_a_design_without_a_value_of_an_objective_is_infeasible():
+    problem = FootProblem(objective=["distance", "work"], space=Waypoints(n=5), accuracy="draft")
+    found = problem.evaluate_designs([[3] * 5, [5] * 5])
+    found.values[0, problem.record.index("work")] = np.nan
+    assert problem.feasible(*found).tolist() == [False, True]
+    assert problem.reasons(*found).tolist() == ["no value", ""]
+
+
+def test_a_problem_around_it_keeps_its_own_variables_and_one_that_evaluates_otherwise_is_refused():
+    problem, out = FootProblem(space=Waypoints(n=5), accuracy="draft"), {}
+    problem._evaluate(np.array([[1, 2, 3, 4, 5]])[:, ::-1], out)  # as of a mirror
+    assert "X" not in out
+
+    class Penalised(FootProblem):
+        def _evaluate(self, x, out, *args, **kwargs):
+            super()._evaluate(x, out)
+            out["F"] = out["F"] + 1.0
+
+    with pytest.raises(SettingError, match="Penalised"):
+        search(Penalised(accuracy="draft"), walks=10)
 
 
 def test_a_search_takes_an_algorithm_a_termination_and_designs_to_start_with():

@@ -7,7 +7,7 @@ import pytest
 from running import composed, footopt, unrender
 
 import footopt as fo
-from footopt.errors import FileError, SettingError
+from footopt.errors import FileError, FootoptError, SettingError
 from footopt.files import identity
 from footopt.studies.build import checked
 
@@ -76,6 +76,26 @@ class TestLoad:
                 _ = fo.load(folder).scene
         with pytest.raises(SystemExit, match="run"):
             _ = fo.load(folder, trust=True).scene
+
+    def test_a_file_that_has_changed_since_is_told_of_and_no_search_goes_on(self, tmp_path, caplog):
+        phase, gait = np.arange(0.0, 101.0, 2.0), tmp_path / "walk.csv"
+        for knee in (30.0, 25.0):
+            angles = 20.0 * np.cos(0.02 * np.pi * phase), knee * (1.0 - np.cos(0.02 * np.pi * phase))
+            table = np.stack([phase, *angles], axis=1)
+            np.savetxt(gait, table, delimiter=",", header="percent,hip,knee", comments="")
+            if knee == 30.0:
+                words = [*WORDS, "gait=file", f"gait.path={gait}", "gait.period=1.2"]
+                run = fo.run(words, tmp_path / "run")
+                assert (run.walk().feasible, caplog.messages) == (True, [])
+        again = fo.load(run.folder)
+        again.walk()
+        assert "has changed since" in caplog.text
+        with pytest.raises(FootoptError, match="with other files"):
+            again.search()
+        walk = fo.run(["study=simulate", f"study.run={run.folder}", "report=none"], tmp_path / "walk")
+        assert "has changed since" in walk.result["notes"][-1]
+        with pytest.raises(SettingError, match="scene = 'given'"):
+            fo.run(["study=simulate", f"study.run={run.folder}", "scene=brisk"], tmp_path / "brisk")
 
     def test_a_folder_without_a_run_is_refused(self, tmp_path):
         with pytest.raises(FileError, match="not the folder of a run"):
