@@ -1,5 +1,6 @@
 """The command `footopt`, and `python -m footopt`."""
 
+import atexit
 import gc
 import sys
 
@@ -11,6 +12,7 @@ def main() -> None:
     if "--version" in sys.argv[1:]:
         return print(f"footopt {__version__}")
     gc.set_threshold(500_000, 50, 50)  # a run makes few cycles: to look for them took a tenth of its time
+    atexit.register(gc.freeze)  # nor once more what the process ends with
     from footopt.cli.main import main as run
 
     run()
