@@ -42,20 +42,17 @@ def digest_of(functions: tuple[Any, ...]) -> str:
 def source_of(thing: Any) -> bytes:
     """The file that a function or type is in, and the user's that it imports; its code if it has no file."""
     try:
-        files = {inspect.getfile(thing): b""}
-        _read(sys.modules[thing.__module__], files)
-        return b"".join(files.values()) or Path(*files).read_bytes()
-    except (OSError, TypeError, KeyError):
+        path = inspect.getfile(thing)
+        files = {path: Path(path).read_bytes()}
+    except (OSError, TypeError):
         parts = vars(thing).values() if isinstance(thing, type) else [thing]
         return b"".join(marshal.dumps(part.__code__) for part in parts if hasattr(part, "__code__"))
+    _read_imported(sys.modules.get(thing.__module__), path, files)
+    return b"".join(files.values())
 
 
-def _read(module: Any, files: dict[str, bytes]) -> None:
-    """Read the file of a user's module, and those of the user's modules that it imports."""
-    path = getattr(module, "__file__", None) or ""
-    if files.get(path) or not path.endswith(".py") or path.startswith(INSTALLED):
-        return
-    files[path] = Path(path).read_bytes()
+def _read_imported(module: Any, path: str, files: dict[str, bytes]) -> None:
+    """Read the files of a user's modules that a module with its file at a path imports, and so on."""
     for node in ast.parse(files[path]).body:  # which every process imports
         if isinstance(node, ast.ImportFrom):
             package = module.__package__.split(".")[: -node.level + 1 or None] if node.level else []
@@ -63,8 +60,11 @@ def _read(module: Any, files: dict[str, bytes]) -> None:
             names = [within, *(f"{within}.{one.name}" for one in node.names)]
         else:
             names = [one.name for one in node.names] if isinstance(node, ast.Import) else []
-        for name in filter(sys.modules.__contains__, names):
-            _read(sys.modules[name], files)
+        for other in (sys.modules[name] for name in names if name in sys.modules):
+            place = getattr(other, "__file__", None) or ""
+            if place.endswith(".py") and not place.startswith(INSTALLED) and place not in files:
+                files[place] = Path(place).read_bytes()
+                _read_imported(other, place, files)
 
 
 @lru_cache(maxsize=32)
