@@ -12,7 +12,7 @@ import numpy as np
 
 from footopt.arrays import Array, Ints, Words
 from footopt.effects.base import Effect
-from footopt.errors import SettingError, check
+from footopt.errors import FootoptError, SettingError, check
 from footopt.foot import Foot, Waypoints
 from footopt.sand import Sand
 from footopt.sand.law import EARTH
@@ -155,7 +155,10 @@ class FunctionSimulator(Simulator):
         """Call the function for each foot."""
         raw, reasons = np.full((len(feet), len(self.quantities)), np.nan), []
         for row, foot in zip(raw, feet, strict=True):
-            found = self.function(foot)
+            try:
+                found = self.function(foot)
+            except FootoptError as error:  # of a foot that it made of this one
+                found = str(error)
             if isinstance(found, str):
                 reasons.append(found or "failed")
                 continue
