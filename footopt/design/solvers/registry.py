@@ -185,7 +185,7 @@ def by_class(solver: Solver, n_obj: int) -> Any:
     from pymoo.core.algorithm import Algorithm
     from pymoo.core.repair import NoRepair
 
-    from footopt.design.solvers.operators import by_runs, operators, reference_directions
+    from footopt.design.solvers.moves import by_runs, operators, reference_directions
 
     kind = isinstance(algorithm, type) and issubclass(algorithm, Algorithm)
     check(kind, "solver.name", solver.name, "a class of an algorithm", "Try soo.nonconvex.de.DE")
