@@ -3,8 +3,6 @@
 Kinds of objects are found by their class's name, so that a sand is drawn without loading the optimiser.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -13,8 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes as PlainAxes
 
 from footopt.errors import SettingError
-from footopt.report.figures.foot import draw_contour
-from footopt.report.figures.scenes import draw_angles, draw_path, draw_stress
+from footopt.report.figures.scenes import draw_angles, draw_contour, draw_path, draw_stress
 from footopt.report.figures.search import FRONT, draw_convergence, draw_pair
 from footopt.report.figures.walks import QUANTITIES, draw_quantity
 from footopt.report.stage import draw_walk

@@ -10,8 +10,7 @@ from footopt.files.feet import MM
 from footopt.foot import SHAPES
 from footopt.gait import Gait
 from footopt.report import style
-from footopt.report.figures.foot import contour, contours
-from footopt.report.figures.scenes import draw_angles, draw_path
+from footopt.report.figures.scenes import contour, contours, draw_angles, draw_path
 from footopt.report.figures.walks import com, forces, power_work, step
 from footopt.report.numbers import title
 from footopt.report.style import Axes
