@@ -1,14 +1,12 @@
 """`Evaluator`: values of designs, read from a store or walked. `Archive`: all designs of a run."""
 
-from __future__ import annotations
-
 import logging
 import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -79,9 +77,9 @@ class Designs(NamedTuple):
     violation: Array
     generation: Ints
 
-    def joined(self, new: Designs) -> Designs:
+    def joined(self, new: Self) -> Self:
         """These and others."""
-        return Designs._make(np.concatenate(columns) for columns in zip(self, new, strict=True))
+        return type(self)._make(np.concatenate(columns) for columns in zip(self, new, strict=True))
 
 
 def causes(counts: Mapping[str, int]) -> str:

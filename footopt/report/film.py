@@ -1,7 +1,5 @@
 """A film of a walk, GIF or MP4: the walker, its feet close with the forces along them, and the time."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from contextlib import suppress

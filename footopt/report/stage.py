@@ -1,7 +1,5 @@
 """The stage: the walker on the sand at instants of a walk, in matplotlib; stage.js is the page's own."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any
