@@ -21,16 +21,7 @@ from footopt.gait import Gait
 from footopt.mujoco.controllers import Tracker
 from footopt.mujoco.robot import Robot
 from footopt.sand import GENERIC, MEDIA, Sand, StressMap
-from footopt.studies import (
-    ALWAYS,
-    ONLY,
-    SETTING_OF_GROUP,
-    SearchSettings,
-    covers,
-    not_read,
-    read_by,
-    within,
-)
+from footopt.studies import ALWAYS, ONLY, SETTING_OF_GROUP, SearchSettings, covers, not_read, read_by, within
 from footopt.studies.settings import (
     PATHS,
     STUDIES,

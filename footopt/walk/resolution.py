@@ -41,9 +41,7 @@ def finer(accuracy: Accuracy) -> dict[str, Accuracy]:
 
 
 def estimate_error(
-    foot: Foot,
-    scene: Simulator | None = None,
-    accuracy: AnyAccuracy | str = "standard",
+    foot: Foot, scene: Simulator | None = None, accuracy: AnyAccuracy | str = "standard"
 ) -> dict[str, float]:
     """Error estimate of a walk's objectives by refinement, absolute, in their own units.
 
