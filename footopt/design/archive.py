@@ -59,10 +59,7 @@ class Evaluator:
         """Warn of walks that have raised an exception; raise if all have, from the first one on."""
         failed = [i for i, reason in enumerate(reasons) if reason.startswith(ERROR)]
         if len(failed) == len(k) and not (self._works or self.reused):
-            raise FootoptError(
-                f"All {len(k)} designs of the first generation end in an {reasons[0]}. "
-                "The fault is not in one of them."
-            )
+            raise FootoptError(f"All {len(k)} designs of the first generation end in an {reasons[0]}")
         self._works = True
         for i in failed:
             log.warning("design %s is left out: %s", heights_text(k[i]), reasons[i])

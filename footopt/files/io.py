@@ -29,9 +29,8 @@ def read_bytes(path: str | Path, setting: str) -> bytes:
     try:
         content = Path(path).read_bytes()
     except (OSError, ValueError) as error:  # a path with a NUL in it is a ValueError
-        raise FileError(
-            f"{named(path, setting)}: cannot be read ({getattr(error, 'strerror', error)})."
-        ) from None
+        why = getattr(error, "strerror", error)
+        raise FileError(f"{named(path, setting)}: cannot be read ({why}).") from None
     if not content.strip():
         raise FileError(f"{named(path, setting)}: is empty.")
     return content
@@ -160,9 +159,7 @@ def write_whole(path: Path) -> Iterator[Path]:
         raise
     except OSError as error:
         why = error.strerror or error
-        raise FileError(
-            f"cannot write {path} ({why}). Choose a folder that exists, may be written to and has room."
-        ) from None
+        raise FileError(f"cannot write {path} ({why}). Choose a folder that may be written to.") from None
     finally:
         with suppress(OSError):
             new.unlink(missing_ok=True)

@@ -29,10 +29,7 @@ def check_film(path: str | Path, setting: str = "path") -> Path:
     if path.suffix.lower() not in (".gif", ".mp4"):
         raise SettingError(setting, path.name, "a name that ends in .gif or .mp4", "Try walk.gif.")
     if path.suffix.lower() == ".mp4" and not FFMpegWriter.isAvailable():
-        raise FileError(
-            f"{path}: an .mp4 needs the program ffmpeg, which is not installed (apt, conda or brew install "
-            f"ffmpeg). A .gif needs nothing: try {path.with_suffix('.gif').name}."
-        )
+        raise FileError(f"{path}: an .mp4 needs the program ffmpeg, which is not installed. Try a .gif.")
     with suppress(OSError):  # `write_whole` says where it cannot write
         path.parent.mkdir(parents=True, exist_ok=True)
     return path
