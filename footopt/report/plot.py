@@ -3,6 +3,7 @@
 Kinds of objects are found by their class's name, so that a sand is drawn without loading the optimiser.
 """
 
+import io
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -15,7 +16,7 @@ from footopt.report.figures.scenes import draw_angles, draw_contour, draw_path, 
 from footopt.report.figures.search import FRONT, draw_convergence, draw_pair
 from footopt.report.figures.walks import QUANTITIES, draw_quantity
 from footopt.report.stage import draw_walk
-from footopt.report.style import COLUMN, PAGE, Axes, fit_height, new_figure, png, styled
+from footopt.report.style import COLUMN, PAGE, Axes, fit_height, new_figure, styled
 
 HEIGHT = 2.6  # of a picture, inches
 
@@ -62,9 +63,12 @@ def plot(thing: object, what: str | None = None, ax: Axes | None = None) -> Axes
 class Panel(PlainAxes):
     """Axes that a notebook shows with their figure, which pyplot does not know of."""
 
+    @styled()
     def _repr_png_(self) -> bytes:
-        figure = self.get_figure(root=True)
-        return png(figure) if figure else b""
+        figure: Any = self.get_figure(root=True)
+        file = io.BytesIO()
+        figure.savefig(file, format="png")
+        return file.getvalue()
 
 
 def _draw(axes: Axes, draw: Callable[[Axes, Any], object], thing: object) -> None:
