@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.animation import FFMpegWriter, PillowWriter
 
 from footopt.arrays import Array
-from footopt.errors import FileError, FootoptError, SettingError, check
+from footopt.errors import FileError, FootoptError, check
 from footopt.files.io import write_whole
 from footopt.report.numbers import title
 from footopt.report.stage import ARROW, Stage, draw_ground, draw_key, write
@@ -26,8 +26,8 @@ LONGEST = 0.06  # arrow there, m
 def check_film(path: str | Path, setting: str = "path") -> Path:
     """Raise a `SettingError` or `FileError` unless `animate` can write such a file; make its folder."""
     path = Path(path)
-    if path.suffix.lower() not in (".gif", ".mp4"):
-        raise SettingError(setting, path.name, "a name that ends in .gif or .mp4", "Try walk.gif.")
+    known = path.suffix.lower() in (".gif", ".mp4")
+    check(known, setting, path.name, "a name that ends in .gif or .mp4", "Try walk.gif.")
     if path.suffix.lower() == ".mp4" and not FFMpegWriter.isAvailable():
         raise FileError(f"{path}: an .mp4 needs the program ffmpeg, which is not installed. Try a .gif.")
     with suppress(OSError):  # `write_whole` says where it cannot write

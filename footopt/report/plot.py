@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes as PlainAxes
 
-from footopt.errors import SettingError
+from footopt.errors import SettingError, check
 from footopt.report.figures.scenes import draw_angles, draw_contour, draw_path, draw_stress
 from footopt.report.figures.search import FRONT, draw_convergence, draw_pair
 from footopt.report.figures.walks import QUANTITIES, draw_quantity
@@ -46,8 +46,7 @@ def plot(thing: object, what: str | None = None, ax: Axes | None = None) -> Axes
     """
     found = drawings(thing)
     name = next(iter(found)) if what is None else what
-    if name not in found:
-        raise SettingError("what", what, f"one of {', '.join(found)} for a {type(thing).__name__}")
+    check(name in found, "what", what, f"one of {', '.join(found)} for a {type(thing).__name__}")
     if ax is not None:
         _draw(ax, found[name], thing)
         return ax
