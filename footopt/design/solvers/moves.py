@@ -1,4 +1,4 @@
-"""Operators of genetic algorithms: moves that suit a spline, and pymoo's own over whole numbers.
+"""Moves that suit a spline, pymoo's own operators over whole numbers, and every design of a small space.
 
 A spline through waypoints answers to neighbours that move together: where one waypoint alone would
 make a bump that costs more than the new level brings, a run of them shifts the sole without one. Random
@@ -11,13 +11,16 @@ on a range of ten heights makes most mutations round back to the parent, hence e
 are built afresh for every run: pymoo's defaults are shared objects.
 """
 
+from collections.abc import Iterator
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from pymoo.core.algorithm import Algorithm
 from pymoo.core.crossover import Crossover
 from pymoo.core.mutation import Mutation
+from pymoo.core.population import Population
 from pymoo.core.repair import Repair
 from pymoo.core.sampling import Sampling
 from pymoo.operators.crossover.sbx import SBX
@@ -157,3 +160,31 @@ def reference_directions(n_obj: int, count: int) -> Array:
     from pymoo.util.ref_dirs import get_reference_directions
 
     return get_reference_directions("energy", n_obj, count, seed=1)
+
+
+def batches(n: int, K: int, size: int) -> Iterator[Ints]:
+    """Every row of n whole numbers from 1 to K, `size` at a time; the last number counts fastest."""
+    total, powers = K**n, K ** np.arange(n)[::-1]
+    for begin in range(0, total, size):
+        yield 1 + np.arange(begin, min(begin + size, total))[:, None] // powers % K
+
+
+class Exhaustive(Algorithm):
+    """Ask for every design that is inside its box, in order; a generation are those of `pop_size` rows."""
+
+    def __init__(self, pop_size: int, **kwargs: Any) -> None:
+        super().__init__(**kwargs)
+        self.pop_size = pop_size
+        self._left: Iterator[Ints] = iter(())
+
+    def _setup(self, problem: Any, **kwargs: Any) -> None:
+        self._left = batches(problem.n_var, int(problem.xu[0]), self.pop_size)
+
+    def _infill(self) -> Any:
+        for k in self._left:
+            if len(inside := k[allowed(self.problem, k)]):
+                return Population.new(X=inside)
+        self.termination.force_termination = True
+        return None
+
+    _initialize_infill = _infill
