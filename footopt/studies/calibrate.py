@@ -47,10 +47,6 @@ class Estimate(NamedTuple):
     low: float
     high: float
 
-    def excludes(self, value: float) -> bool:
-        """Whether a value is outside the interval."""
-        return not self.low <= value <= self.high
-
 
 class Calibration(NamedTuple):
     """The estimates that tests give of a sand, with their intervals."""
@@ -72,7 +68,7 @@ class Calibration(NamedTuple):
             "all: the law does not hold there. Test as deep as your feet sink, and with plates of their size "
             "and angles; or measure a table of stresses (sand.table)."
             for name, part in self.parts.items()
-            if part.excludes(1.0) and abs(part.value - 1.0) > CHANGE
+            if not part.low <= 1.0 <= part.high and abs(part.value - 1.0) > CHANGE
         ]
         if len(self.repeats) == 1:
             reasons.append(
