@@ -146,10 +146,7 @@ def load_module(name: str, setting: str) -> ModuleType:
 
 @contextmanager
 def write_whole(path: Path) -> Iterator[Path]:
-    """A path to write to: it replaces the file at the end; an error leaves the file as it was.
-
-    Raises `FileError` if the file cannot be written.
-    """
+    """A path to write to: it replaces the file at the end; an error leaves the file as it was."""
     new = path.with_name(f".{path.stem}.new{path.suffix}")  # one that a killed run has left is replaced
     try:
         new.unlink(missing_ok=True)
@@ -192,8 +189,6 @@ def write_csv(path: Path, table: Any) -> None:
 
 def _cells(column: Any) -> list[Any]:
     """A column as it is written."""
-    if isinstance(column, np.ndarray) and column.dtype.kind in "iufU" and (column == column).all():
-        return list(column.tolist())
     cells = ("" if v is None or v != v else v for v in np.asarray(column, dtype=object).tolist())
     return [int(v) if isinstance(v, (bool, np.bool_)) else v for v in cells]
 

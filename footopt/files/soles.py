@@ -97,10 +97,7 @@ def lines_of(path: Path, units: str | None = None, scale: float = 1.0) -> list[L
 
 
 def the_line(lines: Sequence[Line], layer: str | None = None) -> tuple[Line, tuple[str, ...]]:
-    """The one line of a drawing, its pieces joined, or the outline that has all others for holes; and notes.
-
-    Raises `Unusable` if there is no such line.
-    """
+    """The one line of a drawing, its pieces joined, or the outline with all others for holes; and notes."""
     layers = sorted({line.layer for line in lines})
     if layer is None and SOLE in layers:
         layer = SOLE
@@ -162,10 +159,7 @@ def _from_heel(line: Array) -> Array:
     """An open line from left to right."""
     heel, toe = line[0], line[-1]
     if abs(toe[0] - heel[0]) <= JOIN_DISTANCE:
-        raise Unusable(
-            f"the line begins at {_where(heel)} and ends at {_where(toe)}: "
-            "which end is the heel? Close the outline, or leave only the sole."
-        )
+        raise Unusable(f"the line begins and ends above {_where(heel)}: which end is the heel? Close it.")
     return line if toe[0] > heel[0] else line[::-1]
 
 

@@ -57,10 +57,7 @@ def resultant(at: Array, force: Array) -> tuple[Array, Array]:
 
 
 def ground(scene: Scene) -> dict[str, list[dict[str, Any]]]:
-    """Layers of a scene and its patches, which go through them, as strips, and gravity on a slope.
-
-    The page draws the same ones.
-    """
+    """Layers of a scene and its patches, which go through them, as strips, and gravity on a slope."""
     strata = [layer for effect in scene.effects for layer in effect.strata]
     whole = [(0.0, strata[0][0] if strata else FAR, 1.0), *strata]
     strips = [

@@ -159,11 +159,8 @@ def fit_stress_map(
             f"its largest stress is {largest:.4g} N/cm^3, and that of sands {STRESSES[0]:g} to "
             f"{STRESSES[1]:g}. Stresses must be per depth, in N/cm^3 (1 N/cm^3 = 1e6 N/m^3)."
         )
-    if max(error_x, error_z) > MISFIT:
-        raise Unusable(
-            f"no stress map comes near it: the misfit is {100 * error_x:.0f} % of alpha_x and "
-            f"{100 * error_z:.0f} % of alpha_z (rms). Check the columns and the signs of the angles."
-        )
+    if (misfit := max(error_x, error_z)) > MISFIT:
+        raise Unusable(f"no stress map comes near it (misfit {100 * misfit:.0f} %). Check columns and signs.")
     found = StressMap(A00, A10, B11, B01, Bm11, C11, C01, Cm11, D10)
     typical = float(np.sqrt(np.mean(stresses**2)))
     if (least := found.dissipation()) < -GAIN * typical:

@@ -78,9 +78,7 @@ class Table:
             return self.values[:, self.names.index(name)]
         there = [n for n in offered(self.scene) if n != "maximum_sinkage" and n in OBJECTIVES]
         if name not in there:
-            raise KeyError(
-                f"no {name!r} in this table: it has {', '.join(dict.fromkeys([*self.names, *there]))}"
-            )
+            raise KeyError(f"no {name!r} in this table: it has {', '.join(sorted({*self.names, *there}))}")
         return np.asarray(OBJECTIVES[name].value(by_name(self.raw, self.scene.quantities), self.scene))
 
     @property
