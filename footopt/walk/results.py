@@ -78,7 +78,9 @@ class Table:
             return self.values[:, self.names.index(name)]
         there = [n for n in offered(self.scene) if n != "maximum_sinkage" and n in OBJECTIVES]
         if name not in there:
-            raise KeyError(f"no {name!r} in this table: it has {', '.join(sorted({*self.names, *there}))}")
+            raise KeyError(
+                f"no {name!r} in this table: it has {', '.join(dict.fromkeys([*self.names, *there]))}"
+            )
         return np.asarray(OBJECTIVES[name].value(by_name(self.raw, self.scene.quantities), self.scene))
 
     @property
@@ -103,6 +105,13 @@ LEAST_FORCE = 1.0  # N, vertical: above it a foot stands on the sand
 
 #: Names of feet by their number; of more of them the numbers.
 SIDES = {1: ("single",), 2: ("left", "right")}
+
+
+class Objectives(dict[str, float]):
+    """Objectives of a walk by name."""
+
+    def __missing__(self, name: str) -> float:
+        raise KeyError(f"no {name!r} among {', '.join(self)}; `Walk.measures` has any other")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -182,7 +191,7 @@ class Walk:
         """All objectives by name, in natural signs; NaN for a failed walk."""
         raw = {name: np.array([value if self.feasible else np.nan]) for name, value in self.totals.items()}
         names = [name for name in offered(self.scene) if name in OBJECTIVES]
-        return {name: float(OBJECTIVES[name].value(raw, self.scene)[0]) for name in names}
+        return Objectives((name, float(OBJECTIVES[name].value(raw, self.scene)[0])) for name in names)
 
     def measures(self, names: Sequence[str]) -> dict[str, float]:
         """Any measures by name (`footopt.walk.objectives.MEASURES`), natural signs; NaN for a failed walk."""
