@@ -26,8 +26,7 @@ LONGEST = 0.06  # arrow there, m
 def check_film(path: str | Path, setting: str = "path") -> Path:
     """Raise a `SettingError` or `FileError` unless `animate` can write such a file; make its folder."""
     path = Path(path)
-    known = path.suffix.lower() in (".gif", ".mp4")
-    check(known, setting, path.name, "a name that ends in .gif or .mp4", "Try walk.gif.")
+    check(path.suffix.lower() in (".gif", ".mp4"), setting, path.name, "a name that ends in .gif or .mp4")
     if path.suffix.lower() == ".mp4" and not FFMpegWriter.isAvailable():
         raise FileError(f"{path}: an .mp4 needs the program ffmpeg, which is not installed. Try a .gif.")
     with suppress(OSError):  # `write_whole` says where it cannot write

@@ -35,8 +35,6 @@ FRAMES = 250  # samples of a walk's forces along the sole
 SAMPLES = 4  # of its other traces, at most, for each of them
 TRACES = ("com", "velocity", "force", "power", "work")
 ON_THE_PAGE = ("front", "front_values", "confirmed")  # as designs, not as entries of result.json
-HOLLOW = 0.1  # of the height of a space's box; a smaller one is not named
-PLANETS = {3.73: " on Mars", 1.62: " on the Moon"}
 POSE_STEP = 0.01  # s, between the poses of the gait
 OUTSIDE = "a robot walks in MuJoCo, not in the page"
 STEPPER = "sdirk2"  # of the page's own walk
@@ -92,10 +90,9 @@ def search_content(
     even = others[np.linspace(0, len(others) - 1, room).astype(int)]
     rows = np.union1d(result.shown, [*even, chosen, *printed])
     certificate = entry.get("certificate")
-    kind = "A hollow foot" if best.foot.hollow > HOLLOW * problem.space.H else "A foot"
     return {
         **_common(entry, best, problem.record, problem.accuracy, problem.space),
-        "title": f"{kind} for {place(best.world)}",
+        "title": f"A foot for {place(best.world)}",
         "headline": [
             f"Designed for {', '.join(map(title, problem.names))} on {describe_scene(problem.scene)}",
             search,
@@ -131,9 +128,8 @@ def search_content(
 
 
 def place(world: Scene) -> str:
-    """The sand of a scene, and where it is unless on the Earth."""
-    elsewhere = "" if abs(world.g - EARTH) < 1e-9 else f", gravity {world.g:g} m/s^2"
-    return world.sand.title + PLANETS.get(world.g, elsewhere)
+    """The sand of a scene, and its gravity unless it is the Earth's."""
+    return world.sand.title + ("" if abs(world.g - EARTH) < 1e-9 else f", gravity {world.g:g} m/s^2")
 
 
 def _common(
