@@ -99,8 +99,7 @@ def run(study: Study) -> None:
         [table(found)],
         entry | {"warnings": found.warnings},
         summary=[
-            f"{len(found.depth)} measurements {depths} mm deep, in {len(found.repeats)} "
-            f"repeat{'s' if len(found.repeats) > 1 else ''}.",
+            f"{len(found.depth)} measurements {depths} mm deep; repeats: {len(found.repeats)}.",
             f"Design for it: {use}{'' if found.spread is None else drawn}",
             *(Text(w, style="yellow") for w in found.warnings),
         ],
