@@ -9,7 +9,7 @@ from footopt.design import SearchResult as SearchResult
 from footopt.design import Spread as Spread
 from footopt.design import draw as draw
 from footopt.design import search as search
-from footopt.design.solvers.operators import by_runs as by_runs
+from footopt.design.solvers.moves import by_runs as by_runs
 from footopt.effects import Inertia as Inertia
 from footopt.effects import Layers as Layers
 from footopt.effects import LeadingEdge as LeadingEdge

@@ -59,9 +59,7 @@ def needed(library: str, what: str, extra: str) -> Any:
     try:
         return import_module(library)
     except ImportError as error:
-        raise MissingError(
-            f'{what} needs {library} ({error}). Install it with: pip install "footopt[{extra}]"'
-        ) from None
+        raise MissingError(f'{what} needs {library} ({error}): pip install "footopt[{extra}]"') from None
 
 
 def shortened(text: str, most: int) -> str:

@@ -1,14 +1,12 @@
 """`Evaluator`: values of designs, read from a store or walked. `Archive`: all designs of a run."""
 
-from __future__ import annotations
-
 import logging
 import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -61,10 +59,7 @@ class Evaluator:
         """Warn of walks that have raised an exception; raise if all have, from the first one on."""
         failed = [i for i, reason in enumerate(reasons) if reason.startswith(ERROR)]
         if len(failed) == len(k) and not (self._works or self.reused):
-            raise FootoptError(
-                f"All {len(k)} designs of the first generation end in an {reasons[0]}. "
-                "The fault is not in one of them."
-            )
+            raise FootoptError(f"All {len(k)} designs of the first generation end in an {reasons[0]}")
         self._works = True
         for i in failed:
             log.warning("design %s is left out: %s", heights_text(k[i]), reasons[i])
@@ -79,9 +74,9 @@ class Designs(NamedTuple):
     violation: Array
     generation: Ints
 
-    def joined(self, new: Designs) -> Designs:
+    def joined(self, new: Self) -> Self:
         """These and others."""
-        return Designs._make(np.concatenate(columns) for columns in zip(self, new, strict=True))
+        return type(self)._make(np.concatenate(columns) for columns in zip(self, new, strict=True))
 
 
 def causes(counts: Mapping[str, int]) -> str:

@@ -109,10 +109,7 @@ def _received(sent: bytes) -> FootProblem:
         problem, there = pickle.loads(sent)
         here = key_of(problem)
     except Exception as error:
-        raise FootoptError(
-            f"A worker cannot load the problem ({type(error).__name__}: {error}). Its classes have to be "
-            "in a module that workers can import."
-        ) from None
+        raise FootoptError(f"A worker cannot load the problem ({error!r}). Are its modules there?") from None
     if here != there:
         raise FootoptError(
             f"A worker would give other numbers: {listed(differences(there, here))} differ. Install the same "

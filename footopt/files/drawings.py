@@ -37,10 +37,7 @@ def unit_of(units: str | None, own: str | None) -> float:
     """Metres in a unit: the setting's, or else the file's own."""
     unit = units or own
     if unit not in UNITS:
-        raise Unusable(
-            f"does not say in which unit it is{f', or says {unit!r}' if unit else ''}. "
-            f"Set foot.units to one of {', '.join(UNITS)}."
-        )
+        raise Unusable(f"does not say in which unit it is, or in none of {', '.join(UNITS)}. Set foot.units.")
     return UNITS[unit]
 
 
@@ -110,9 +107,7 @@ def read_dxf(path: Path, units: str | None, scale: float) -> Iterator[Line]:
             curve = np.array([(v.x, v.y, v.z) for v in curve.flattening(CHORD_TOLERANCE / unit)])
             points = unit * curve.reshape(-1, 3)
             if len(points) and (rise := np.ptp(points[:, 2])) > CHORD_TOLERANCE:
-                where = (
-                    f"a {kind} of layer {entity.dxf.layer} leaves the xy plane, by {1e3 * rise:.3g} mm in z"
-                )
+                where = f"a {kind} of layer {entity.dxf.layer} leaves the xy plane by {1e3 * rise:.3g} mm"
                 raise Unusable(f"{where}. Draw the side view in x and y.")
             yield from_points(points[:, :2], entity.dxf.layer)
 
@@ -179,10 +174,7 @@ def read_table(path: Path, units: str | None, scale: float) -> Iterator[Line]:
     columns = {match[1].lower(): match for name in table if (match := COLUMN.fullmatch(name))}
     x, z = columns.get("x"), columns.get("z", columns.get("y"))
     if x is None or z is None:
-        raise Unusable(
-            f"the header lacks x or z; it holds {', '.join(table)[:200]}. "
-            "Name the columns x_mm and z_mm (or _cm, _m, _in), from heel to toe."
-        )
+        raise Unusable("the header lacks x or z. Name the columns x_mm and z_mm (or _cm, _m, _in).")
     own = {match[2].lower() for match in (x, z) if match[2]}
     unit = scale * unit_of(units, own.pop() if len(own) == 1 else None)
     yield from_points(

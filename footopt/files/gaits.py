@@ -200,9 +200,7 @@ def _leg(
     t = PHASE_PERIOD * (share - share[0])
     if t[-1] < (1.0 - 1e-6) * PHASE_PERIOD:  # the first row comes again at 100 %
         t, angles = np.append(t, PHASE_PERIOD), {joint: np.append(v, v[0]) for joint, v in angles.items()}
-    note = (
-        f"{found['percent']} is the phase of one stride, of {PHASE_PERIOD:g} s where gait.period is not given"
-    )
+    note = f"{found['percent']} is the phase of one stride, of {PHASE_PERIOD:g} s without gait.period"
     return t, angles, (0.0, PHASE_PERIOD), (*notes, note)
 
 

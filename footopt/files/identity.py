@@ -48,9 +48,7 @@ def locked(folder: Path) -> Iterator[None]:
     try:
         lock.acquire()
     except Timeout:
-        raise Occupied(
-            f"{folder}: another run is at work in this folder. Wait until it has ended, or choose another."
-        ) from None
+        raise Occupied(f"{folder}: another run is at work in this folder. Choose another.") from None
     try:
         yield
     finally:

@@ -29,9 +29,8 @@ def read_bytes(path: str | Path, setting: str) -> bytes:
     try:
         content = Path(path).read_bytes()
     except (OSError, ValueError) as error:  # a path with a NUL in it is a ValueError
-        raise FileError(
-            f"{named(path, setting)}: cannot be read ({getattr(error, 'strerror', error)})."
-        ) from None
+        why = getattr(error, "strerror", error)
+        raise FileError(f"{named(path, setting)}: cannot be read ({why}).") from None
     if not content.strip():
         raise FileError(f"{named(path, setting)}: is empty.")
     return content
@@ -147,10 +146,7 @@ def load_module(name: str, setting: str) -> ModuleType:
 
 @contextmanager
 def write_whole(path: Path) -> Iterator[Path]:
-    """A path to write to: it replaces the file at the end; an error leaves the file as it was.
-
-    Raises `FileError` if the file cannot be written.
-    """
+    """A path to write to: it replaces the file at the end; an error leaves the file as it was."""
     new = path.with_name(f".{path.stem}.new{path.suffix}")  # one that a killed run has left is replaced
     try:
         new.unlink(missing_ok=True)
@@ -160,9 +156,7 @@ def write_whole(path: Path) -> Iterator[Path]:
         raise
     except OSError as error:
         why = error.strerror or error
-        raise FileError(
-            f"cannot write {path} ({why}). Choose a folder that exists, may be written to and has room."
-        ) from None
+        raise FileError(f"cannot write {path} ({why}). Choose a folder that may be written to.") from None
     finally:
         with suppress(OSError):
             new.unlink(missing_ok=True)
@@ -195,8 +189,6 @@ def write_csv(path: Path, table: Any) -> None:
 
 def _cells(column: Any) -> list[Any]:
     """A column as it is written."""
-    if isinstance(column, np.ndarray) and column.dtype.kind in "iufU" and (column == column).all():
-        return list(column.tolist())
     cells = ("" if v is None or v != v else v for v in np.asarray(column, dtype=object).tolist())
     return [int(v) if isinstance(v, (bool, np.bool_)) else v for v in cells]
 

@@ -90,20 +90,14 @@ def lines_of(path: Path, units: str | None = None, scale: float = 1.0) -> list[L
     except (Unusable, FileError):
         raise
     except Exception as error:  # libraries raise all kinds; their messages help nobody
-        raise Unusable(
-            f"cannot be read as {path.suffix[1:].upper()}: it is damaged, or something else. Open it in the "
-            "program that made it, and save it again."
-        ) from error
+        raise Unusable(f"cannot be read as {path.suffix}. Save it again by what made it.") from error
     if not all((abs(line.points) < MAX_COORDINATE).all() for line in lines):
         raise Unusable("a line has a point that is not a finite number, or far away.")
     return lines
 
 
 def the_line(lines: Sequence[Line], layer: str | None = None) -> tuple[Line, tuple[str, ...]]:
-    """The one line of a drawing, its pieces joined, or the outline that has all others for holes; and notes.
-
-    Raises `Unusable` if there is no such line.
-    """
+    """The one line of a drawing, its pieces joined, or the outline with all others for holes; and notes."""
     layers = sorted({line.layer for line in lines})
     if layer is None and SOLE in layers:
         layer = SOLE
@@ -153,15 +147,11 @@ def check_size(points: Array, origin: str) -> None:
     """Raise unless a line (m, 2) has a sole's size and place."""
     left, right = points[:, 0].min(), points[:, 0].max()
     if not LENGTH_RANGE[0] <= right - left <= LENGTH_RANGE[1]:
-        raise Unusable(
-            f"the sole would be {right - left:.4g} m long. Set foot.units to the unit of the file "
-            f"({', '.join(UNITS)}), or foot.scale."
-        )
+        raise Unusable(f"the sole would be {right - left:.4g} m long. Set foot.units or foot.scale.")
     if origin == "file" and not left < 0.0 < right:
         raise Unusable(
             f"its origin is not above the foot, which lies between x {MM * left:.4g} and {MM * right:.4g} "
-            "mm. The ankle is measured from there: move the drawing, or set foot.origin=centre for the "
-            "middle of the line's box."
+            "mm. The ankle is measured from there: move the drawing, or set foot.origin=centre."
         )
 
 
@@ -169,10 +159,7 @@ def _from_heel(line: Array) -> Array:
     """An open line from left to right."""
     heel, toe = line[0], line[-1]
     if abs(toe[0] - heel[0]) <= JOIN_DISTANCE:
-        raise Unusable(
-            f"the line begins at {_where(heel)} and ends at {_where(toe)}: "
-            "which end is the heel? Close the outline, or leave only the sole."
-        )
+        raise Unusable(f"the line begins and ends above {_where(heel)}: which end is the heel? Close it.")
     return line if toe[0] > heel[0] else line[::-1]
 
 

@@ -157,10 +157,7 @@ def _check(strides: Strides, bounds: Array) -> None:
     thigh, knee = (strides.mean()[joint] for joint in ANGLES)
     loop = 0.5 * np.sum(thigh[1:] * knee[:-1] - thigh[:-1] * knee[1:])
     if loop < LEAST_LOOP * np.ptp(thigh) * np.ptp(knee):
-        raise Unusable(
-            "the knee bends while the thigh goes back, as in a walk backwards. Is the sign of thigh or hip "
-            "right (the knee ahead of the hip is +)?"
-        )
+        raise Unusable("the knee bends as in a walk backwards. Is thigh or hip + where the knee is ahead?")
 
 
 def _from_strike(strides: Strides, always: bool) -> Strides:

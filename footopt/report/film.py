@@ -1,7 +1,5 @@
 """A film of a walk, GIF or MP4: the walker, its feet close with the forces along them, and the time."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from contextlib import suppress
@@ -12,7 +10,7 @@ import numpy as np
 from matplotlib.animation import FFMpegWriter, PillowWriter
 
 from footopt.arrays import Array
-from footopt.errors import FileError, FootoptError, SettingError, check
+from footopt.errors import FileError, FootoptError, check
 from footopt.files.io import write_whole
 from footopt.report.numbers import title
 from footopt.report.stage import ARROW, Stage, draw_ground, draw_key, write
@@ -28,13 +26,9 @@ LONGEST = 0.06  # arrow there, m
 def check_film(path: str | Path, setting: str = "path") -> Path:
     """Raise a `SettingError` or `FileError` unless `animate` can write such a file; make its folder."""
     path = Path(path)
-    if path.suffix.lower() not in (".gif", ".mp4"):
-        raise SettingError(setting, path.name, "a name that ends in .gif or .mp4", "Try walk.gif.")
+    check(path.suffix.lower() in (".gif", ".mp4"), setting, path.name, "a name that ends in .gif or .mp4")
     if path.suffix.lower() == ".mp4" and not FFMpegWriter.isAvailable():
-        raise FileError(
-            f"{path}: an .mp4 needs the program ffmpeg, which is not installed (apt, conda or brew install "
-            f"ffmpeg). A .gif needs nothing: try {path.with_suffix('.gif').name}."
-        )
+        raise FileError(f"{path}: an .mp4 needs the program ffmpeg, which is not installed. Try a .gif.")
     with suppress(OSError):  # `write_whole` says where it cannot write
         path.parent.mkdir(parents=True, exist_ok=True)
     return path

@@ -3,8 +3,7 @@
 Kinds of objects are found by their class's name, so that a sand is drawn without loading the optimiser.
 """
 
-from __future__ import annotations
-
+import io
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -12,13 +11,12 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes as PlainAxes
 
-from footopt.errors import SettingError
-from footopt.report.figures.foot import draw_contour
-from footopt.report.figures.scenes import draw_angles, draw_path, draw_stress
+from footopt.errors import SettingError, check
+from footopt.report.figures.scenes import draw_angles, draw_contour, draw_path, draw_stress
 from footopt.report.figures.search import FRONT, draw_convergence, draw_pair
 from footopt.report.figures.walks import QUANTITIES, draw_quantity
 from footopt.report.stage import draw_walk
-from footopt.report.style import COLUMN, PAGE, Axes, fit_height, new_figure, png, styled
+from footopt.report.style import COLUMN, PAGE, Axes, fit_height, new_figure, styled
 
 HEIGHT = 2.6  # of a picture, inches
 
@@ -48,8 +46,7 @@ def plot(thing: object, what: str | None = None, ax: Axes | None = None) -> Axes
     """
     found = drawings(thing)
     name = next(iter(found)) if what is None else what
-    if name not in found:
-        raise SettingError("what", what, f"one of {', '.join(found)} for a {type(thing).__name__}")
+    check(name in found, "what", what, f"one of {', '.join(found)} for a {type(thing).__name__}")
     if ax is not None:
         _draw(ax, found[name], thing)
         return ax
@@ -65,9 +62,12 @@ def plot(thing: object, what: str | None = None, ax: Axes | None = None) -> Axes
 class Panel(PlainAxes):
     """Axes that a notebook shows with their figure, which pyplot does not know of."""
 
+    @styled()
     def _repr_png_(self) -> bytes:
-        figure = self.get_figure(root=True)
-        return png(figure) if figure else b""
+        figure: Any = self.get_figure(root=True)
+        file = io.BytesIO()
+        figure.savefig(file, format="png")
+        return file.getvalue()
 
 
 def _draw(axes: Axes, draw: Callable[[Axes, Any], object], thing: object) -> None:

@@ -1,7 +1,5 @@
 """The stage: the walker on the sand at instants of a walk, in matplotlib; stage.js is the page's own."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any
@@ -59,10 +57,7 @@ def resultant(at: Array, force: Array) -> tuple[Array, Array]:
 
 
 def ground(scene: Scene) -> dict[str, list[dict[str, Any]]]:
-    """Layers of a scene and its patches, which go through them, as strips, and gravity on a slope.
-
-    The page draws the same ones.
-    """
+    """Layers of a scene and its patches, which go through them, as strips, and gravity on a slope."""
     strata = [layer for effect in scene.effects for layer in effect.strata]
     whole = [(0.0, strata[0][0] if strata else FAR, 1.0), *strata]
     strips = [

@@ -117,14 +117,6 @@ def save(
     return paths
 
 
-@styled()
-def png(figure: Figure) -> bytes:
-    """A figure as a picture in memory."""
-    file = io.BytesIO()
-    figure.savefig(file, format="png")
-    return file.getvalue()
-
-
 def legend_above(figure: Figure) -> None:
     """One legend above all axes: a name for each thing, with as many columns as fit beside each other."""
     handles: dict[str, Any] = {}

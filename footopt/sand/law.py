@@ -1,4 +1,4 @@
-"""Resistive force theory (RFT): the stress on one plate, in its angles; sands by name.
+"""Resistive force theory (RFT): the stress on one plate, in its angles, and fitted to a table; sands by name.
 
 A plate with world angle beta (counter-clockwise, rad) that moves in the direction gamma
 (rad, positive downwards: gamma = atan2(-v_z, v_x)) at depth |z| below the surface feels
@@ -14,8 +14,6 @@ anisotropic dry friction with a bias, f / (zeta |z| dA) = a - M h (`footopt.walk
         [ -(B11 - B-11) s           B01 + (B11 + B-11) c ]
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, fields
 from typing import NamedTuple, Self
 
@@ -23,11 +21,28 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from footopt.arrays import Array
-from footopt.errors import check, is_number
+from footopt.errors import Unusable, check, is_number
 
 LARGEST = 1e4  # of a coefficient, N/cm^3; concrete has less
 PER_CM3 = 1e6  # N/cm^3 in N/m^3
 EARTH = 9.81  # m/s^2: g where stress maps are measured
+MISFIT = 0.35  # of a column's rms; no law of this form is in such a table
+GAIN = 0.1  # of the table's rms; more power than noise explains comes out of such a sand
+STRESSES = (1e-3, 50.0)  # largest stress of a table, N/cm^3; the hardest sand in the literature has 2
+
+
+class Law(NamedTuple):
+    """Coefficients of the affine form, N/cm^3; compiled code gets them times zeta, in N/m^3."""
+
+    A00: float
+    A10: float
+    B01: float
+    B_sum: float  # B11 + B-11
+    B_diff: float  # B11 - B-11
+    C01: float
+    C_sum: float  # C11 + C-11
+    C_diff: float  # C11 - C-11
+    D10: float
 
 
 @dataclass(frozen=True)
@@ -75,20 +90,6 @@ class StressMap:
         return float(np.min(power_taken(beta, gamma, self))) / PER_CM3
 
 
-class Law(NamedTuple):
-    """Coefficients of the affine form, N/cm^3; compiled code gets them times zeta, in N/m^3."""
-
-    A00: float
-    A10: float
-    B01: float
-    B_sum: float  # B11 + B-11
-    B_diff: float  # B11 - B-11
-    C01: float
-    C_sum: float  # C11 + C-11
-    C_diff: float  # C11 - C-11
-    D10: float
-
-
 GENERIC = StressMap()
 
 
@@ -130,6 +131,60 @@ def power_taken(beta: ArrayLike, gamma: ArrayLike, stress_map: StressMap = GENER
     """The power that the sand takes per depth, area and speed, N/m^3 (for zeta = 1); as of `alpha`."""
     ax, az = alpha(beta, gamma, stress_map)
     return np.asarray(ax * np.cos(gamma) + az * np.sin(gamma))
+
+
+def fit_stress_map(
+    beta: Array, gamma: Array, alpha_x: Array, alpha_z: Array
+) -> tuple[StressMap, tuple[float, float]]:
+    """Fit the nine coefficients to measured stresses by linear least squares.
+
+    Angles of plate and motion (rows,), deg, have the signs of `footopt.sand.law.alpha`; stresses per depth
+    (rows,) are in N/cm^3. Returns the map, and for x and z the rms of the misfit over that of the column.
+    Raises `Unusable` if there are too few different angles to determine nine coefficients, or if no sand can
+    have such stresses.
+    """
+    b, g = np.radians(beta), np.radians(gamma)
+    terms_x = [np.cos(2 * b + g), np.cos(g), np.cos(-2 * b + g), np.sin(2 * b)]
+    terms_z = [np.ones_like(b), np.cos(2 * b), np.sin(2 * b + g), np.sin(g), np.sin(-2 * b + g)]
+    (C11, C01, Cm11, D10), error_x = _least_squares(terms_x, alpha_x)
+    (A00, A10, B11, B01, Bm11), error_z = _least_squares(terms_z, alpha_z)
+    stresses = np.stack([alpha_x, alpha_z])
+    steepest, widest, largest = (abs(values).max() for values in (beta, gamma, stresses))
+    if steepest > 180 or widest > 360:
+        raise Unusable(f"beta reaches {steepest:.4g} and gamma {widest:.4g} deg. Check the columns.")
+    if widest <= 2 * np.pi:
+        raise Unusable(f"gamma reaches {widest:.4g} deg only. Angles must be in degrees.")
+    if not STRESSES[0] <= largest <= STRESSES[1]:
+        raise Unusable(
+            f"its largest stress is {largest:.4g} N/cm^3, and that of sands {STRESSES[0]:g} to "
+            f"{STRESSES[1]:g}. Stresses must be per depth, in N/cm^3 (1 N/cm^3 = 1e6 N/m^3)."
+        )
+    if (misfit := max(error_x, error_z)) > MISFIT:
+        raise Unusable(f"no stress map comes near it (misfit {100 * misfit:.0f} %). Check columns and signs.")
+    found = StressMap(A00, A10, B11, B01, Bm11, C11, C01, Cm11, D10)
+    typical = float(np.sqrt(np.mean(stresses**2)))
+    if (least := found.dissipation()) < -GAIN * typical:
+        raise Unusable(
+            f"such a sand would push a plate along (by {-least:.3g} N/cm^3 in some direction). Check the "
+            "columns and the signs: a plate that moves down has gamma > 0 and alpha_z > 0."
+        )
+    aside = D10 - C11 + Cm11  # alpha_x of a plate at 45 deg that moves down
+    if aside < -GAIN * typical:
+        raise Unusable(
+            f"such a sand would push a plate that moves down to its upper side (alpha_x = {aside:.3g} "
+            "N/cm^3 at beta = 45, gamma = 90 deg). Check the sign of beta: counter-clockwise, + toe up."
+        )
+    return found, (error_x, error_z)
+
+
+def _least_squares(terms: list[Array], target: Array) -> tuple[list[float], float]:
+    """Coefficients of some terms, and the relative rms misfit of a column."""
+    design = np.stack(terms, axis=1)
+    solution, _, rank, _ = np.linalg.lstsq(design, target, rcond=1e-8)
+    if rank < design.shape[1]:
+        raise Unusable(f"{len(target)} rows do not determine it: give more combinations of beta and gamma.")
+    misfit, scale = (float(np.sqrt(np.mean(v**2))) for v in (design @ solution - target, target))
+    return solution.tolist(), misfit / scale if scale > 0 else misfit
 
 
 #: zeta of sands by name: the paper's three, and media measured in the literature

@@ -6,9 +6,8 @@ from dataclasses import asdict, dataclass, field, fields, is_dataclass
 from importlib import import_module
 from typing import Any, ClassVar, get_type_hints
 
-from footopt.design import EXHAUSTIVE, FRONT_RULES, SINGLE, SOLVERS, RobustProblem, Spread
+from footopt.design import AUTO, EXHAUSTIVE, FRONT_RULES, SINGLE, SOLVERS, RobustProblem, Spread
 from footopt.design.problem import SETS
-from footopt.design.solvers.registry import AUTO
 from footopt.effects import EFFECTS
 from footopt.errors import SettingError
 from footopt.foot import SHAPES, Foot, Waypoints

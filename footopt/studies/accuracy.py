@@ -26,11 +26,7 @@ from footopt.walk.steppers import STEPPERS
 QUANTILE = 95.0  # of the feet: the error that this share of them does not exceed, %
 MEASURED = (*FIVE, "efficiency")
 CONVERGED = PRESETS["reference"]
-
-CAPTION = (
-    "Error of the worst objective, for 95 % of the feet, against the time that a design takes: "
-    "the ladder of every stepper, and the presets."
-)
+CAPTION = "The error of the worst objective, for 95 % of the feet, against the time that a design takes."
 
 
 class Measurement(NamedTuple):

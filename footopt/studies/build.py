@@ -21,16 +21,7 @@ from footopt.gait import Gait
 from footopt.mujoco.controllers import Tracker
 from footopt.mujoco.robot import Robot
 from footopt.sand import GENERIC, MEDIA, Sand, StressMap
-from footopt.studies import (
-    ALWAYS,
-    ONLY,
-    SETTING_OF_GROUP,
-    SearchSettings,
-    covers,
-    not_read,
-    read_by,
-    within,
-)
+from footopt.studies import ALWAYS, ONLY, SETTING_OF_GROUP, SearchSettings, covers, not_read, read_by, within
 from footopt.studies.settings import (
     PATHS,
     STUDIES,
@@ -93,8 +84,7 @@ def make_sand(config: SandConfig) -> Sand:
         own = MEDIA.get(config.name, config.zeta) != config.zeta or stress_map != GENERIC
         name = Sand.name if own and config.name in MEDIA else config.name
         return Sand(zeta=config.zeta, stress_map=stress_map, name=name)
-    if stress_map != GENERIC:
-        raise SettingError("sand.table", config.table, "null when sand.coefficients are changed")
+    check(stress_map == GENERIC, "sand.table", config.table, "null when sand.coefficients are changed")
     multiplied = MEDIA.get(config.name) == config.zeta != 1.0  # by a zeta that was not asked for
     check(not multiplied, "sand.table", config.table, f"null with sand={config.name}", "Try sand=custom.")
     fitted = read_sand(config.table, zeta=config.zeta)
@@ -131,9 +121,8 @@ def make_space(config: FootConfig) -> Waypoints:
 
 def check_searchable(config: FootConfig) -> None:
     """Raise unless the foot of the settings is a space to search, not one sole."""
-    if config.shape != "waypoints":
-        raise SettingError("foot", config.shape, "waypoints for a search", "Or use study=simulate.")
     hint = "Use study=simulate to walk with one sole."
+    check(config.shape == "waypoints", "foot", config.shape, "waypoints for a search", hint)
     check(config.k is None, "foot.k", config.k, "null for a search", hint)
 
 

@@ -47,10 +47,6 @@ class Estimate(NamedTuple):
     low: float
     high: float
 
-    def excludes(self, value: float) -> bool:
-        """Whether a value is outside the interval."""
-        return not self.low <= value <= self.high
-
 
 class Calibration(NamedTuple):
     """The estimates that tests give of a sand, with their intervals."""
@@ -69,16 +65,12 @@ class Calibration(NamedTuple):
         """Reasons to doubt the estimates."""
         reasons = [
             f"zeta of the tests {name} is {part.value:.2f} times ({part.low:.2f} to {part.high:.2f}) that of "
-            "all: the law does not hold there. Test as deep as your feet sink, and with plates of their size "
-            "and angles; or measure a table of stresses (sand.table)."
+            "all: the law does not hold there. Test as deep as feet sink, with plates of their size."
             for name, part in self.parts.items()
-            if part.excludes(1.0) and abs(part.value - 1.0) > CHANGE
+            if not part.low <= 1.0 <= part.high and abs(part.value - 1.0) > CHANGE
         ]
         if len(self.repeats) == 1:
-            reasons.append(
-                "There is one repeat: its interval says nothing of how the sand differs from place to place. "
-                "Prepare the sand anew, test again, and number the tests in a column repeat."
-            )
+            reasons.append("One repeat says nothing of other places: prepare the sand anew, and test again.")
         if self.unread:
             reasons.append(f"Columns that are not read: {', '.join(self.unread)}.")
         return reasons
@@ -107,8 +99,7 @@ def run(study: Study) -> None:
         [table(found)],
         entry | {"warnings": found.warnings},
         summary=[
-            f"{len(found.depth)} measurements {depths} mm deep, in {len(found.repeats)} "
-            f"repeat{'s' if len(found.repeats) > 1 else ''}.",
+            f"{len(found.depth)} measurements {depths} mm deep; repeats: {len(found.repeats)}.",
             f"Design for it: {use}{'' if found.spread is None else drawn}",
             *(Text(w, style="yellow") for w in found.warnings),
         ],

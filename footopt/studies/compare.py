@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from footopt.errors import FileError, SettingError, named
+from footopt.errors import FileError, check, named
 from footopt.files import identity
 from footopt.report import summary
 from footopt.studies.runs import Study
@@ -15,8 +15,7 @@ TRY = "Try footopt study=compare 'study.runs=[outputs/optimize/*]'"
 def run(study: Study) -> None:
     """Show the runs of `study.runs` as those of a multirun: a table, summary.csv and report.html."""
     runs = run_folders(study.options.runs, study.folder)
-    if not runs:
-        raise SettingError(SETTING, study.options.runs, "folders of runs", TRY)
+    check(runs, SETTING, study.options.runs, "folders of runs", TRY)
     if not any(summary.read(folder).objectives for folder in runs):
         hint = "Give runs of study=optimize, simulate or robust."
         raise FileError(f"{SETTING}: none of the {len(runs)} folders has a foot to compare. {hint}")

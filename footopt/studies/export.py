@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 from shapely import Polygon
 
-from footopt.errors import SettingError
+from footopt.errors import check
 from footopt.files.feet import MM, body_outline, write_all
 from footopt.report import figures, terminal
 from footopt.report.output import foot_entry
@@ -25,9 +25,7 @@ HOLDS = {
 def run(study: Study) -> None:
     """Write the foot of the run `study.run` in every format."""
     config, folder = study.config, study.options.run
-    if folder is None:
-        advice = "Try footopt study=export run=outputs/optimize/..."
-        raise SettingError("run", None, "the folder of a run", advice)
+    check(folder is not None, "run", None, "the folder of a run", "Try run=outputs/optimize/...")
     foot, block = foot_of(Path(folder), config.foot.k, study.options.foot), config.foot.block
     written, notes = write_all(foot, study.folder, block)
     outline, width = MM * body_outline(foot, block), MM * foot.width

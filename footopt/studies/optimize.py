@@ -16,14 +16,13 @@ from footopt.design import (
     FootProblem,
     SearchResult,
     Solver,
-    UnderLaws,
     confirm,
     search,
     under_laws,
 )
 from footopt.design.certificate import Certificate, certified
 from footopt.design.fronts import excess
-from footopt.design.to_print import REACH, better_zetas, compare
+from footopt.design.to_print import REACH, better_zetas
 from footopt.errors import check
 from footopt.files import io as files
 from footopt.files.feet import write_all
@@ -103,15 +102,23 @@ def run(study: Study) -> Any:
 
 def _evaluated(study: Study, result: SearchResult, confirmed: Confirmation) -> Findings:
     """The best foot, soles that should lose little under every law, and the flat one, under every law."""
-    problem, under, rank, zetas = result.problem, _under(study, result, confirmed), "", None
+    problem, options, rank, zetas = result.problem, study.options, "", None
+    if not (study.wants_report and options.confirm):
+        return Findings({"laws": [], "better_than_flat_zeta": None}, {}, rank)
+    share = None if result.interrupted else options.laws
+    if share is not None and problem.n_obj == 1:
+        study.say("Searching the foot to print, which loses least under the worst law")
+    store = options.store or study.folder / "designs.sqlite"
+    with study.executor() as executor, study.compiling("a walk for each law"):
+        under = under_laws(result, confirmed, study.config.sand.spread, share, store, executor)
     if len(under.laws) > 1 and problem.n_obj == 1:
         zetas = better_zetas(problem, under.k[0], under.k[-1])
         count = sum(int(losses[0] < losses[-1]) for losses in under.losses)
         rank = f"Beats flat under {count} of {len(under.laws)} laws{_at(zetas, problem.scene)}. "
     laws = under.entry(0)
-    ranges = {name: [law["change"][name] for law in laws[1:]] for name in problem.record if laws}
+    ranges = {name: [law["change"][name] for law in laws[1:]] for name in problem.record}
     found = Findings({"laws": laws, "better_than_flat_zeta": zetas}, ranges, rank)
-    chosen = None if study.options.laws is None else under.steadiest
+    chosen = None if options.laws is None else under.steadiest
     if chosen is None:
         return found
     foot = replace(Foot.from_waypoints(under.k[chosen], problem.space), name="to print")
@@ -129,18 +136,6 @@ def _evaluated(study: Study, result: SearchResult, confirmed: Confirmation) -> F
     )
     lines = (f"To print, chosen for all {len(laws)} laws: {terminal.describe_foot(foot)}", told)
     return found._replace(entry=entry, to_print=foot, printed=lines)
-
-
-def _under(study: Study, result: SearchResult, confirmed: Confirmation) -> UnderLaws:
-    """The feet under every law."""
-    options, share = study.options, None if result.interrupted else study.options.laws
-    if not (study.wants_report and options.confirm):
-        return compare(result.problem, (), result.k[confirmed.designs[:1]])
-    if share is not None and result.problem.n_obj == 1:
-        study.say("Searching the foot to print, which loses least under the worst law")
-    store = options.store or study.folder / "designs.sqlite"
-    with study.executor() as executor, study.compiling("a walk for each law"):
-        return under_laws(result, confirmed, study.config.sand.spread, share, store, executor)
 
 
 def _at(zetas: tuple[float | None, float | None] | None, scene: Any) -> str:

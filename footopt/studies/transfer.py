@@ -22,10 +22,7 @@ from footopt.walk.ladder import numerics
 
 ENOUGH = 0.1  # of the objective: a smaller loss on the robot leaves the walker's foot as good as its own
 FLAT, WALKER, ROBOT = "flat", "walker", "robot"
-CAPTION = (
-    "What each foot loses against the better one of the two designed feet, walked on the walker and on the "
-    "robot; tau ranks random soles by both."
-)
+CAPTION = "What each foot loses against the better designed one, on both; tau ranks random soles by both."
 
 
 class Side(NamedTuple):

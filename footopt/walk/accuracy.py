@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import Any, Self, TypeAlias
 
-from footopt.errors import SettingError, check, check_whole
+from footopt.errors import check, check_whole
 from footopt.foot.plates import RULES
 from footopt.walk.steppers import STEPPERS
 
@@ -161,8 +161,7 @@ TOLERANCES = {name: preset.error for name, preset in PRESETS.items() if not pres
 def resolve(accuracy: AnyAccuracy | str, setting: str = "accuracy") -> AnyAccuracy:
     """An accuracy, given itself or a preset's name; `setting` is what gave it."""
     if isinstance(accuracy, str):
-        if accuracy not in PRESETS:
-            raise SettingError(setting, accuracy, f"one of {', '.join(PRESETS)}")
+        check(accuracy in PRESETS, setting, accuracy, f"one of {', '.join(PRESETS)}")
         return PRESETS[accuracy]
     kinds = "an Accuracy, a Tolerance, or a preset's name"
     check(isinstance(accuracy, (Accuracy, Tolerance)), "accuracy", accuracy, kinds, 'Try "standard"')

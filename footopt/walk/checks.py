@@ -105,7 +105,9 @@ def diagnose(walk: Walk) -> list[Diagnostic]:
     slender = float(np.ptp(walk.foot.contour[:, 0]) / walk.start[1])
     counts = max(floor / max(walk.totals.get(name, floor), 1e-300) for name, floor in FLOORS.items())
     total_force, total_power = max(size.sum(), 1e-300), max(power.sum(), 1e-300)
-    trailing, sinks = power[vn < 0].sum(), 0.0 if walk.scene.holds else creep_while_standing(walk)
+    trailing = power[vn < 0].sum()
+    stood = 0.0 if walk.scene.holds else float(min(walk.scene.gait.start, walk.t[-1]))
+    sinks = 1.5 * sinking_speed(walk, stood) * stood if stood > 0.0 else 0.0  # the speed summed up
     steps = len(walk.scene.strikes)  # a walker that stands does no work to speak of
     rows = (  # the value, its unit, and its limit
         (walk.totals.get("maximum_sinkage", float(depth.max())), "m", walk.foot.width),
@@ -181,9 +183,3 @@ def sinking_speed(walk: Walk, t: float) -> float:
     """
     eps, depth = walk.accuracy.creep, walk.totals["maximum_sinkage"]
     return float(eps * max(1.0, (5.0 * depth / (24.0 * eps * t)) ** (1.0 / 3.0)))
-
-
-def creep_while_standing(walk: Walk) -> float:
-    """How far smoothing lets the walker sink before the gait starts, m: `sinking_speed` summed up."""
-    t = float(min(walk.scene.gait.start, walk.t[-1]))
-    return 1.5 * sinking_speed(walk, t) * t if t > 0.0 else 0.0

@@ -41,9 +41,7 @@ def finer(accuracy: Accuracy) -> dict[str, Accuracy]:
 
 
 def estimate_error(
-    foot: Foot,
-    scene: Simulator | None = None,
-    accuracy: AnyAccuracy | str = "standard",
+    foot: Foot, scene: Simulator | None = None, accuracy: AnyAccuracy | str = "standard"
 ) -> dict[str, float]:
     """Error estimate of a walk's objectives by refinement, absolute, in their own units.
 
@@ -80,8 +78,7 @@ def resolution(walk: Walk, errors: Mapping[str, float]) -> list[Diagnostic]:
         for name in size
         if math.isfinite(values[name]) and math.isfinite(errors.get(name, math.nan))
     }
-    promise = walk.accuracy.tolerance or PROMISE
-    limit = BEYOND * promise
+    limit = BEYOND * (walk.accuracy.tolerance or PROMISE)
     if not walk.feasible:
         return []
     if not shares:
@@ -103,12 +100,9 @@ def resolution(walk: Walk, errors: Mapping[str, float]) -> list[Diagnostic]:
 
 def _outcome(walk: Walk, limit: float) -> list[Diagnostic]:
     """Whether a finer walk fails where this one did not."""
-    finer = walk.accuracy.refined(2)
-    if walk.scene.too_long(finer):
+    finer = [walk.accuracy.refined(times) for times in (1, 2)]
+    if any(map(walk.scene.too_long, finer)):
         return []
-    ends = {one.reason for one in (simulate(walk.foot, walk.scene, walk.accuracy.refined(n)) for n in (1, 2))}
-    reasons = ", ".join(sorted(ends - {""}))
-    if not reasons:
-        return []
-    why = f"a finer walk fails ({reasons}); try accuracy=fine"
-    return [Diagnostic("estimated error of the outcome", 100.0, "%", limit, why)]
+    reasons = {simulate(walk.foot, walk.scene, one).reason for one in finer} - {""}
+    why = f"a finer walk fails ({', '.join(sorted(reasons))}); try accuracy=fine"
+    return [Diagnostic("estimated error of the outcome", 100.0, "%", limit, why)] if reasons else []

@@ -122,11 +122,7 @@ def estimated(
 
 
 def _evaluated(
-    feet: Sequence[Foot],
-    scene: Simulator,
-    accuracy: Accuracy,
-    objectives: Sequence[str],
-    threads: int | None,
+    feet: Sequence[Foot], scene: Simulator, accuracy: Accuracy, objectives: Sequence[str], threads: int | None
 ) -> Table:
     """`evaluate` at an accuracy that holds for all feet."""
     raw, reasons, evaluations, counts = scene.walk(feet, accuracy, threads, objectives)

@@ -1,7 +1,5 @@
 """What walks with a foot: the seam between simulations and all that searches, judges and draws them."""
 
-from __future__ import annotations
-
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence

@@ -9,7 +9,7 @@ import footopt as fo
 from footopt.files.io import plain
 from footopt.report import page
 from footopt.report.page.file import NOTHING
-from footopt.report.page.physics import physics, spline
+from footopt.report.page.walks import physics, spline
 from footopt.walk import OBJECTIVES
 from footopt.walk.accuracy import resolve
 from footopt.walk.objectives import offered

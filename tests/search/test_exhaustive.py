@@ -12,8 +12,7 @@ from searching import QUICK, stop_after
 import footopt as fo
 from footopt.design import Solver, search
 from footopt.design.scenarios import sands
-from footopt.design.solvers.exhaustive import batches
-from footopt.design.solvers.moves import shifts
+from footopt.design.solvers.moves import batches, shifts
 
 SPACE = fo.Waypoints(n=4, K=4)
 EVERYTHING = np.stack(np.meshgrid(*[range(1, 5)] * 4, indexing="ij"), axis=-1).reshape(-1, 4)

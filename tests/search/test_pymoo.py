@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from pymoo.algorithms.moo.nsga2 import NSGA2
 from pymoo.algorithms.soo.nonconvex.ga import GA
-from pymoo.core.duplicate import DefaultDuplicateElimination
 from pymoo.core.evaluator import Evaluator
 from pymoo.core.mixed import MixedVariableGA
 from pymoo.core.population import Population
@@ -22,7 +21,6 @@ from footopt.design import FootProblem, search
 from footopt.design.fronts import nondominated
 from footopt.design.solvers import WALKS, Solver, memetic
 from footopt.design.solvers.memetic import Archive, Memetic
-from footopt.design.solvers.operators import SameHeights
 from footopt.errors import SettingError
 from footopt.foot import Waypoints
 
@@ -177,14 +175,6 @@ def test_a_result_has_what_pymoo_s_tools_take():
     assert 0 <= ASF().do(r.F, np.array([0.5, 0.5])).argmin() < len(r.X)
     one = search(problem(), walks=40)
     assert (one.X.shape, one.F.shape, one.G.shape) == ((5,), (1,), (2,))
-
-
-def test_designs_that_came_before_are_those_that_pymoo_drops():
-    pop, other = (Population.new(X=SMALL.random(200, seed=seed)) for seed in (1, 2))
-    for others in ((), (other,)):
-        ours, theirs = (kind.do(pop, *others) for kind in (SameHeights(), DefaultDuplicateElimination()))
-        assert ours.get("X").tolist() == theirs.get("X").tolist()
-        assert len(ours) < 200
 
 
 def test_everything_can_be_pickled():

@@ -17,8 +17,7 @@ import footopt as fo
 from footopt.design import Solver, search
 from footopt.foot import SHAPES
 from footopt.studies import Paper
-from footopt.studies.paper import VERDICTS, claims, judge, run, walks
-from footopt.studies.paper.claims import CLAIMS, MEASURES, measure
+from footopt.studies.paper import CLAIMS, MEASURES, VERDICTS, judge, measure, numbers, run, walks
 from footopt.studies.paper.walks import SANDS, changes, evidence, objective, read, switch_losses
 from footopt.studies.runs import Study
 from footopt.walk.objectives import SLOW
@@ -89,7 +88,7 @@ class TestReadings:
 def found():
     """The numbers of the study's walks, of two feet that are given."""
     walks = walked(config(study__confirm="draft"), {"hard": HOLLOW, "regular": ROCKER, "soft": ROCKER})
-    return {name: claims.numbers(walk, "walk") for name, walk in walks.items()}
+    return {name: numbers(walk, "walk") for name, walk in walks.items()}
 
 
 def cast(found, name, subject, others):

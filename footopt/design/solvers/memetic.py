@@ -13,10 +13,9 @@ from pymoo.util.display.single import SingleObjectiveOutput
 from footopt.arrays import Array, Ints
 from footopt.design.fronts import nondominated
 from footopt.design.problem import Known
-from footopt.design.solvers.model import Memory, RankModel
+from footopt.design.solvers import WALKS, grown
+from footopt.design.solvers.model import Memory, Pool, RankModel
 from footopt.design.solvers.moves import IDLE, RandomInside, allowed, exchanged, shifted, shifts
-from footopt.design.solvers.pool import Pool
-from footopt.design.solvers.registry import WALKS, grown
 
 PARENTS = 30  # at first; of one objective twice as many after each restart
 MOST_PARENTS = 240

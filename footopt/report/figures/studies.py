@@ -10,8 +10,7 @@ from footopt.files.feet import MM
 from footopt.foot import SHAPES
 from footopt.gait import Gait
 from footopt.report import style
-from footopt.report.figures.foot import contour, contours
-from footopt.report.figures.scenes import draw_angles, draw_path
+from footopt.report.figures.scenes import contour, contours, draw_angles, draw_path
 from footopt.report.figures.walks import com, forces, power_work, step
 from footopt.report.numbers import title
 from footopt.report.style import Axes
@@ -19,9 +18,6 @@ from footopt.walk import Walk, Walker
 
 WORST = "error of the worst objective (%),\nnot exceeded by 95 % of the feet"
 SHOWN = (2.5, 97.5)  # %, of measurements: those that are furthest off are shallow, and noise
-
-#: Comparisons as `footopt.studies.validate.Comparison` has them.
-Comparisons = Sequence[Any]
 
 NAMES = {"alpha_x": r"$\alpha_x$", "alpha_z": r"$\alpha_z$", "zeta": r"$\zeta$"}
 VERDICTS = {"agrees": (style.BEST, "o"), "differs": ("#000000", "X"), "undecided": (style.FLAT, "s")}
@@ -108,8 +104,8 @@ def axis_name(c: Any) -> str:
 
 
 @style.styled()
-def experiment(found: Comparisons, x: str = "") -> Figure:
-    """Every quantity of an experiment: data, and the prediction of each law, with 2 standard uncertainties.
+def experiment(found: Sequence[Any], x: str = "") -> Figure:
+    """Each `studies.validate.Comparison` of an experiment: data, prediction, and 2 standard uncertainties.
 
     Numbered points are on the axis `x`, points with names in a row each; many of these are drawn as the
     prediction against the measurement.
@@ -132,7 +128,7 @@ def experiment(found: Comparisons, x: str = "") -> Figure:
     return figure
 
 
-def _against_x(ax: Axes, own: Comparisons, colours: Sequence[str]) -> None:
+def _against_x(ax: Axes, own: Sequence[Any], colours: Sequence[str]) -> None:
     """Lines with bands, and the data."""
     for c, colour, dashes in zip(own, colours, style.DASHES, strict=False):
         ax.plot(c.points, c.simulated, color=colour, ls=dashes, label=law_name(c.law))
@@ -142,7 +138,7 @@ def _against_x(ax: Axes, own: Comparisons, colours: Sequence[str]) -> None:
     ax.set_ylabel(axis_name(c))
 
 
-def _by_name(ax: Axes, own: Comparisons, colours: Sequence[str]) -> None:
+def _by_name(ax: Axes, own: Sequence[Any], colours: Sequence[str]) -> None:
     """A row for each point, in it the data and each law."""
     rows, gap = np.arange(len(own[0].points)), 0.8 / (len(own) + 1)
     for i, (c, colour) in enumerate(zip(own, colours, strict=True), start=1):
@@ -154,7 +150,7 @@ def _by_name(ax: Axes, own: Comparisons, colours: Sequence[str]) -> None:
     ax.set(xlabel=axis_name(c), ylim=(rows[-1] + 1.0 - gap, -gap))
 
 
-def _parity(ax: Axes, own: Comparisons, colours: Sequence[str]) -> None:
+def _parity(ax: Axes, own: Sequence[Any], colours: Sequence[str]) -> None:
     """Prediction against measurement, with the band in which they agree."""
     for i, (c, colour) in enumerate(zip(own, colours, strict=True)):
         size = {"mfc": "none", "mew": 0.8, "ms": 5.0} if i else {"ms": 3.5}  # one often lies on the other
@@ -172,7 +168,7 @@ def _parity(ax: Axes, own: Comparisons, colours: Sequence[str]) -> None:
 
 
 @style.styled()
-def overview(found: Comparisons, titles: Mapping[str, str]) -> Figure:
+def overview(found: Sequence[Any], titles: Mapping[str, str]) -> Figure:
     """A row for each comparison: its error over the data's scale, and what it could have resolved."""
     begins = np.array([i == 0 or found[i - 1].experiment != c.experiment for i, c in enumerate(found)])
     rows = np.arange(len(found)) + 1.15 * np.cumsum(begins)  # room for the experiments' titles

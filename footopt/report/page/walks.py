@@ -1,6 +1,7 @@
-"""Pages of one walk, and of a search with the walks of its best design and of the flat sole."""
+"""Pages of a walk, and of a search with those of its best design and the flat sole; the page's own walk."""
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -8,26 +9,36 @@ import numpy as np
 from footopt.design import EXHAUSTIVE, Confirmation, SearchResult
 from footopt.design.certificate import joined
 from footopt.design.result import SHOWN
+from footopt.design.scenarios import possible_laws
+from footopt.effects import name_of
 from footopt.foot import Foot, Waypoints
+from footopt.foot.plates import CORNER, RULES
+from footopt.foot.waypoints import FINE, slope_matrix
+from footopt.gait import STANDING
 from footopt.report.numbers import title
 from footopt.report.page.file import column, packed
-from footopt.report.page.physics import physics, spline
-from footopt.report.stage import forces_along, ground, groups
+from footopt.report.stage import ARROWS, forces_along, ground, groups
 from footopt.report.style import sides
 from footopt.report.terminal import describe_confirmation, describe_few, describe_scene, describe_search
-from footopt.sand.law import EARTH
-from footopt.walk import MEASURES, Scene, Walk
+from footopt.sand.law import EARTH, PER_CM3
+from footopt.walk import MEASURES, Accuracy, Scene, Walk, discretize, newton
 from footopt.walk.accuracy import AnyAccuracy
+from footopt.walk.checks import WHY
+from footopt.walk.contact import BENT, EXPOSED, TURN
+from footopt.walk.ladder import numerics
+from footopt.walk.loop import MAX_REPEATS, NEAR_PEAK, PEAK
+from footopt.walk.objectives import FLOORS
 from footopt.walk.results import step_on_patch
+from footopt.walk.steppers import STEPPERS
 
 FRAMES = 250  # samples of a walk's forces along the sole
 SAMPLES = 4  # of its other traces, at most, for each of them
 TRACES = ("com", "velocity", "force", "power", "work")
 ON_THE_PAGE = ("front", "front_values", "confirmed")  # as designs, not as entries of result.json
-HOLLOW = 0.1  # of the height of a space's box; a smaller one is not named
-PLANETS = {3.73: " on Mars", 1.62: " on the Moon"}
 POSE_STEP = 0.01  # s, between the poses of the gait
 OUTSIDE = "a robot walks in MuJoCo, not in the page"
+STEPPER = "sdirk2"  # of the page's own walk
+ROWS = 200_000  # poses, at most, of a walk that a browser is to tabulate: 22 MB
 
 
 def walk_content(walk: Walk, entry: dict[str, Any], flat: Walk | None = None) -> dict[str, Any]:
@@ -79,10 +90,9 @@ def search_content(
     even = others[np.linspace(0, len(others) - 1, room).astype(int)]
     rows = np.union1d(result.shown, [*even, chosen, *printed])
     certificate = entry.get("certificate")
-    kind = "A hollow foot" if best.foot.hollow > HOLLOW * problem.space.H else "A foot"
     return {
         **_common(entry, best, problem.record, problem.accuracy, problem.space),
-        "title": f"{kind} for {place(best.world)}",
+        "title": f"A foot for {place(best.world)}",
         "headline": [
             f"Designed for {', '.join(map(title, problem.names))} on {describe_scene(problem.scene)}",
             search,
@@ -118,9 +128,8 @@ def search_content(
 
 
 def place(world: Scene) -> str:
-    """The sand of a scene, and where it is unless on the Earth."""
-    elsewhere = "" if abs(world.g - EARTH) < 1e-9 else f", gravity {world.g:g} m/s^2"
-    return world.sand.title + PLANETS.get(world.g, elsewhere)
+    """The sand of a scene, and its gravity unless it is the Earth's."""
+    return world.sand.title + ("" if abs(world.g - EARTH) < 1e-9 else f", gravity {world.g:g} m/s^2")
 
 
 def _common(
@@ -175,3 +184,99 @@ def _traces(walk: Walk, label: str, design: int | None = None) -> dict[str, Any]
         "when": packed(walk.t[even]),
         "arrows": packed(forces_along(walk, even)[1]),
     }
+
+
+def physics(
+    scene: Scene, accuracy: AnyAccuracy, foot: Foot | Waypoints, spread: float = 0.0
+) -> dict[str, Any]:
+    """The constants, in SI units, of the page's walks: of its one foot, or of all soles of a space.
+
+    `spread` is a standard deviation of the logarithm of zeta, by which other laws of sand differ. Where the
+    page cannot walk, only the reason, as "refusal".
+    """
+    accuracy = numerics(accuracy, scene, foot)
+    if why := refusal(scene, accuracy, foot):
+        return {"refusal": why}
+    gait, walker, (tilt, g) = scene.gait, scene.walker, scene.gravity
+    foot_pitch = gait.foot if gait.pitch == "measured" else None
+    parts = RULES[accuracy.rule]
+    return {
+        "sand": {
+            "zeta": scene.sand.zeta,
+            "gravity": walker.g / EARTH,
+            "unit": PER_CM3,
+            "law": scene.sand.stress_map.law._asdict(),
+        },
+        "walker": asdict(walker),
+        "gravity": {"g": g, "tilt": tilt},
+        "gait": {
+            "thigh": gait.thigh._asdict(),
+            "knee": gait.knee._asdict(),
+            "pitch": None if foot_pitch is None else foot_pitch._asdict(),
+            "start": gait.start,
+            "period": gait.period,
+            "standing": STANDING,
+        },
+        "end": scene.duration,
+        "strike": gait.heel_strike,
+        "accuracy": {
+            **asdict(accuracy),
+            "parts": parts,
+            "gamma": STEPPERS[STEPPER].parameters.gamma,
+            "rest": discretize.REST,
+            "halvings": discretize.HALVINGS,
+            "newton": newton.NEWTON,
+            "most": newton.MAX_NEWTON,
+            "shortest": newton.SHORTEST,
+            "inside": newton.INSIDE,
+            "gated": newton.SMOOTH_STEP,
+            "turn": TURN,
+            "exposed": EXPOSED,
+            "bent": BENT,
+            "corner": CORNER,
+            "near": NEAR_PEAK,
+            "peak": PEAK,
+            "repeats": MAX_REPEATS,
+        },
+        "arrows": ARROWS,
+        "effects": _laws(scene),
+        "others": [
+            {
+                "law": other.name,
+                "zeta": other.scene.sand.zeta / scene.sand.zeta,
+                "effects": _laws(other.scene),
+            }
+            for other in possible_laws(scene, spread)[1:]
+            if all(e.in_page for e in other.scene.effects)
+        ],
+        "why": [WHY[name] for name in ("depth of the sole", "depth of the ankle")],
+        "floors": FLOORS,
+        "foot": {"ankle": foot.ankle, "width": foot.width},
+        # of a sole without waypoints
+        "points": packed(foot.points(accuracy.plates, parts), double=True)
+        if isinstance(foot, Foot) and foot.k is None
+        else None,
+    }
+
+
+def _laws(scene: Scene) -> dict[str, Any]:
+    """The laws of effects by their names."""
+    return {name_of(e): e.law._asdict() for e in scene.effects if e.law is not None}
+
+
+def spline(space: Waypoints) -> dict[str, Any]:
+    """The constants of the splines through waypoints."""
+    return {**asdict(space), "fine": FINE, "slopes": slope_matrix(space.n)}
+
+
+def refusal(scene: Scene, accuracy: Accuracy, foot: Foot | Waypoints) -> str:
+    """The reason for which the page cannot walk by itself, or ""."""
+    if others := [name_of(e) for e in scene.effects if not e.in_page]:
+        return f"effects={', '.join(others)} of this run is not in the page's own walk"
+    if accuracy.stepper != STEPPER:
+        return f"accuracy.stepper={accuracy.stepper} of this run is not in the page's own walk"
+    if foot.closed:
+        return "foot.closed=true of this run is not in the page's own walk"
+    if discretize.pose_rows(scene.path, accuracy) > ROWS:
+        return "the walk of this run is too long, or its steps are too short, to be made while one waits"
+    return ""
