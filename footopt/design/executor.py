@@ -109,7 +109,8 @@ def _received(sent: bytes) -> FootProblem:
         problem, there = pickle.loads(sent)
         here = key_of(problem)
     except Exception as error:
-        raise FootoptError(f"A worker cannot load the problem ({error!r}). Are its modules there?") from None
+        why = "Its classes have to be in a module that workers can import."
+        raise FootoptError(f"A worker cannot load the problem ({error!r}). {why}") from None
     if here != there:
         raise FootoptError(
             f"A worker would give other numbers: {listed(differences(there, here))} differ. Install the same "

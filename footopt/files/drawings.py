@@ -174,7 +174,8 @@ def read_table(path: Path, units: str | None, scale: float) -> Iterator[Line]:
     columns = {match[1].lower(): match for name in table if (match := COLUMN.fullmatch(name))}
     x, z = columns.get("x"), columns.get("z", columns.get("y"))
     if x is None or z is None:
-        raise Unusable("the header lacks x or z. Name the columns x_mm and z_mm (or _cm, _m, _in).")
+        found = f"it holds {', '.join(table)[:200]}"
+        raise Unusable(f"the header lacks x or z; {found}. Name the columns x_mm and z_mm (or _cm, _m, _in).")
     own = {match[2].lower() for match in (x, z) if match[2]}
     unit = scale * unit_of(units, own.pop() if len(own) == 1 else None)
     yield from_points(

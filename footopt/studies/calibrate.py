@@ -70,7 +70,9 @@ class Calibration(NamedTuple):
             if not part.low <= 1.0 <= part.high and abs(part.value - 1.0) > CHANGE
         ]
         if len(self.repeats) == 1:
-            reasons.append("One repeat says nothing of other places: prepare the sand anew, and test again.")
+            reasons.append(
+                "One repeat says nothing of other places: test again, numbered in a column repeat."
+            )
         if self.unread:
             reasons.append(f"Columns that are not read: {', '.join(self.unread)}.")
         return reasons
