@@ -252,14 +252,3 @@ class TestFoot:
         foot = fo.Foot(contour)
         assert {foot, fo.Foot(contour.copy(), name="again")} == {foot}
         assert len({foot, fo.Foot(contour, width=0.08), fo.Foot(1.01 * contour)}) == 3
-
-
-@pytest.mark.parametrize("seed", range(12))
-def test_how_far_soles_leave_their_box_is_what_their_contours_say(seed):
-    """To the bit, in spaces drawn at random: what is in the box is part of what a search finds."""
-    rng = np.random.default_rng(seed)
-    n, K, H = int(rng.integers(4, 40)), int(rng.integers(2, 200)), float(rng.uniform(0.005, 0.1))
-    box, k = fo.Waypoints(n=n, K=K, H=H), rng.integers(1, K + 1, (300, n))
-    z = box.contour(k)[:, :, 1]
-    outside = np.maximum(np.maximum(z.max(axis=1), -H - z.min(axis=1)), 0.0)
-    np.testing.assert_array_equal(box.box_violation(k), outside)

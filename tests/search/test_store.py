@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from searching import QUICK, SMALL, assert_same, objective_of, problem, stop_after
+from searching import QUICK, SMALL, assert_same, problem
 
 import footopt as fo
 from footopt.design import Store, search
@@ -95,21 +95,6 @@ def test_a_key_has_what_functions_are_bound_to_and_the_effects_of_every_scenario
 
 
 class TestReplay:
-    @pytest.mark.parametrize("name", ["memetic", "nsga2"])
-    def test_a_search_that_was_stopped_goes_on_to_the_same_result(self, name, path, walked):
-        p, budget = problem(objective_of(name)), {"pop_size": 12, "n_gen": 6, "seed": 3}
-        undisturbed = search(p, name, **budget)
-        count = len(walked)
-        for generations in (1, 4):
-            stopped = search(p, name, stop_after(generations), path, **budget)
-            assert stopped.interrupted
-            assert len(stopped.history) == generations
-        resumed = search(p, name, store=path, **budget)
-        assert not resumed.interrupted
-        assert_same(undisturbed, resumed)
-        assert len(walked) == 2 * count  # each design once in the undisturbed search and once in the rest
-        assert resumed.reused == len(stopped.k)
-
     @pytest.mark.slow
     def test_an_extended_search_is_the_longer_one(self, path):
         """Of RVEA, too, whose survival depends on how many generations there will be."""
