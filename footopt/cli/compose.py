@@ -12,20 +12,13 @@ from hydra.core.config_store import ConfigStore
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from omegaconf import ListConfig, OmegaConf, open_dict
 
-from footopt.errors import SettingError, check
 from footopt.studies import choices
 from footopt.studies.build import load_plugins
 from footopt.studies.runs import in_world_of_run
-from footopt.studies.settings import Config, structured
+from footopt.studies.settings import Config, check_complete, structured
 
 #: conf/ inside the installed package, or at the top of a checkout.
 CONF: Path = next(path / "conf" for path in Path(__file__).parents[1:3] if (path / "conf").is_dir())
-#: Settings that are groups of others.
-GROUPS_OF_SETTINGS = (
-    *(n for n, of in asdict(Config()).items() if isinstance(of, dict)),
-    "sand.coefficients",
-    "gait.names",
-)
 _offered: dict[tuple[str, str], Any] = {}  # to Hydra, which takes a millisecond for each
 
 
@@ -90,12 +83,8 @@ def resolved(settings: Any, overrides: Sequence[str], config: str = "config") ->
     """
     with open_dict(settings):
         settings.pop("hydra", None)
-    for name in sorted(OmegaConf.missing_keys(settings)):
-        raise SettingError(name, "???", "given: the settings leave it open")
+    check_complete(settings)
     plain: Any = OmegaConf.to_container(settings, resolve=True)
-    for name in GROUPS_OF_SETTINGS:
-        there = OmegaConf.select(settings, name) is not None
-        check(there, name, None, "a group of settings", "Leave it out.")
     load_plugins(plain["plugins"])  # in a job's process, too
     if plain["study"]["name"] == "simulate" and plain["study"]["run"] is not None:
         default: Any = OmegaConf.to_container(compose(config, ["study=simulate"]), resolve=True)

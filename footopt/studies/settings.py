@@ -7,7 +7,7 @@ A default of the library is taken from there. The YAML files of conf/ only name 
 import inspect
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping
-from dataclasses import MISSING, dataclass, field, fields, is_dataclass, make_dataclass, replace
+from dataclasses import MISSING, asdict, dataclass, field, fields, is_dataclass, make_dataclass, replace
 from functools import cache
 from typing import Any, ClassVar, NamedTuple, get_type_hints
 
@@ -16,6 +16,7 @@ from omegaconf import OmegaConf
 from footopt.design import Choice, Solver, Spread, make_executor
 from footopt.design.problem import SETS
 from footopt.effects import EFFECTS
+from footopt.errors import SettingError, check
 from footopt.files.gaits import COLUMNS
 from footopt.files.soles import read_foot
 from footopt.foot import Foot, Waypoints, shapes
@@ -295,6 +296,16 @@ CHANGEABLE = (
     "study.finalists", "study.store", "study.certify", "study.reuse", "study.video", "study.details",
     "study.laws", "foot.block", "plugins",
 )  # fmt: skip
+
+
+def check_complete(settings: Any) -> None:
+    """Raise where settings as Hydra composes them leave a value open (???), or a group is null."""
+    for name in sorted(OmegaConf.missing_keys(settings)):
+        raise SettingError(name, "???", "given: the settings leave it open")
+    groups = (name for name, of in asdict(Config()).items() if isinstance(of, dict))
+    for name in (*groups, "sand.coefficients", "gait.names"):
+        there = OmegaConf.select(settings, name) is not None
+        check(there, name, None, "a group of settings", "Leave it out.")
 
 
 def structured(settings: Mapping[str, Any]) -> Any:
