@@ -128,8 +128,7 @@ def test_the_frame_of_a_search_is_designs_csv(searches, tmp_path, kind):
 
     result = searches[kind]
     files.write_csv(tmp_path / "designs.csv", result.columns)
-    exact = {"keep_default_na": False, "na_values": {"distance": ""}, "float_precision": "round_trip"}
-    read = pandas.read_csv(tmp_path / "designs.csv", **exact)
+    read = pandas.read_csv(tmp_path / "designs.csv", keep_default_na=False, na_values={"distance": ""})
     frame = result.to_frame()
     assert list(frame.columns) == list(read.columns)
     assert frame["on_front"].sum() == len(result.front)
