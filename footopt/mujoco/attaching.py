@@ -19,7 +19,7 @@ from footopt.errors import SettingError, check, check_kind, needed
 from footopt.foot import Foot, Plates
 from footopt.mujoco.callback import ATTACHED, FORGOT, MOST, callback, compiled, with_effects
 from footopt.mujoco.implicit import ROOM
-from footopt.mujoco.joints import freedoms, servos
+from footopt.mujoco.joints import RK4, freedoms, servos
 from footopt.mujoco.native import functions, memory, remembering
 from footopt.mujoco.step import BEGIN, BEND, BODY, COUNTED, DRIFT, END, MEAN, STEP, TRACED, Workspace
 from footopt.sand import Sand
@@ -115,11 +115,10 @@ class Contact:
             _need_no_floor(model, row, body["reach"])
         step, n = np.zeros(1, STEP), 6 * len(feet)
         step["dt"], step["gravity"] = model.opt.timestep, model.opt.gravity
-        step["rk4"] = model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
-        step["implicit"] = model.opt.integrator > int(mujoco.mjtIntegrator.mjINT_RK4)
-        step["ahead"] = model.opt.timestep * (
-            model.opt.integrator > int(mujoco.mjtIntegrator.mjINT_IMPLICITFAST)
-        )
+        kind, euler_explicit = model.opt.integrator, mujoco.mjtDisableBit.mjDSBL_EULERDAMP
+        step["rk4"], step["implicit"] = kind == RK4, kind > RK4
+        step["damped"] = kind > RK4 or (kind < RK4 and not model.opt.disableflags & euler_explicit)
+        step["ahead"] = model.opt.timestep * (kind > int(mujoco.mjtIntegrator.mjINT_IMPLICITFAST))
         step["length"], step["bypass"] = once.bristle_length or BRISTLE_LENGTH, once.bypass
         jacobian = np.zeros((n, model.nv))
         steps, wrenches = compiled(), with_effects(acting)
@@ -141,7 +140,7 @@ class Contact:
         self.memory = memory(model, data, ends[-1])
         parts = zip(kept.items(), np.split(self.memory, ends[:-1]), strict=True)
         self._space = Workspace(
-            step=step, bodies=bodies, freedoms=freedoms(model), servos=servos(mujoco, model),
+            step=step, bodies=bodies, freedoms=freedoms(mujoco, model), servos=servos(mujoco, model),
             controls=data.ctrl[None], activations=data.act[None],
             lengths=data.actuator_length[None], speeds=data.actuator_velocity[None],
             columns=model.M_colind[None].astype(np.int64), inertia=data.M[None], places=data.xpos,
@@ -284,8 +283,7 @@ def _keep(contact: Contact) -> None:
     with _LOCK:
         rows = np.flatnonzero(ATTACHED[:, 0] == address)
         free = rows if len(rows) else np.flatnonzero(ATTACHED[:, 0] == 0)
-        if len(free) == 0:
-            raise SettingError("data", f"number {MOST + 1}", f"at most {MOST} at once", "Detach one.")
+        check(len(free), "data", f"number {MOST + 1}", f"at most {MOST} at once", "Detach one.")
         _passive(callback())
         _KEPT[address] = contact
         name = _NAMES.setdefault(contact.names[0], ctypes.create_string_buffer(contact.names[0].encode()))

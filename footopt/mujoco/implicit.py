@@ -117,14 +117,14 @@ def wrenches(address, effects, stage, c):
         body, axes = space.bodies[space.chosen[0, k]], space.frame[space.chosen[0, k]]
         six, f = space.room[TWISTS, 6 * k : 6 * k + 6], space.room[FORCES, 6 * k : 6 * k + 6]
         up, x = (axes[6], axes[7], axes[8]), (axes[0], axes[1], axes[2])
-        way = space.room[WAY, 6 * k : 6 * k + 6]
+        way, sinks = space.room[WAY, 6 * k : 6 * k + 6], 0.0 if step.still else c
         for i in range(6):
-            way[i] = space.room[BASE, 6 * k + i] + c * six[i]
+            way[i] = space.room[BASE, 6 * k + i] + sinks * six[i]
         surface, forward = surface_of(body, axes, way), (space.places[body.row, 0], x)
         first, last = body.first, body.last
         faces = space.faces[0, COLUMNS * first : COLUMNS * last].reshape(COLUMNS, last - first)
         h = space.bristles[stage, 3 * first : 3 * last].reshape(3, last - first)
-        state = OPEN * step.bypass, faces, body.law, up, surface, forward, six, c, c / step.length, h
+        state = OPEN * step.bypass, faces, body.law, up, surface, forward, six, sinks, c / step.length, h
         total, rows = forces(effects, *state)
         for i in range(6):
             f[i] = total[i]
@@ -136,8 +136,25 @@ def newton(address, stage):
     """Solve v = v0 + c W f, f = F(v), for the near bodies' twists v and wrenches, from f, or count a failure.
 
     Sand resists motion, so that dv . (F - f) falls along a step dv: a step is cut where it changes its sign,
-    as where a face comes to rest. The size of F - f rises there.
+    as where a face comes to rest. The size of F - f rises there. It may not fall where a light body leaves
+    the sand within the stage, and there may be several roots: then the depth is that of its beginning.
     """
+    space = workspace(address)
+    step, loads = space.step[0], space.room[FORCES]
+    for still in range(2):
+        step.still = still
+        if solved(address, stage):
+            step.still = 0
+            return
+        for i in range(len(loads)):
+            loads[i] = 0.0
+    step.still = 0
+    step.failures += 1
+
+
+@called_fast
+def solved(address, stage):
+    """Whether Newton's method finds a stage's twists and wrenches, from these."""
     space = workspace(address)
     step, room = space.step[0], space.room
     n, c = 6 * step.bodies, GAMMA * step.dt
@@ -176,8 +193,8 @@ def newton(address, stage):
         if share == 1.0 and change <= TIGHT * speed + 1e-13:
             for i in range(n):
                 f[i] = load[i]  # forces follow the last change to first order
-            return
-    step.failures += 1
+            return True
+    return False
 
 
 def bend(address, stage):

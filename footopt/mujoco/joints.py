@@ -6,6 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from footopt.arrays import Array
+
+RK4 = 1  # MuJoCo's number of its second explicit integrator; those after it are implicit
+
 #: A degree of freedom of MuJoCo's, in radians or metres.
 FREEDOM = np.dtype(
     [
@@ -13,6 +17,7 @@ FREEDOM = np.dtype(
         ("last", np.int64),  # of its row: the diagonal's element
         ("damping", float),  # of the joint, N m s
         ("stiffness", float),  # of the joint, N m
+        ("torques", float, 2),  # range of all its servos together, N m
     ]
 )
 
@@ -32,13 +37,23 @@ SERVO = np.dtype(
 )
 
 
-def freedoms(model: Any) -> Any:
+def freedoms(mujoco: Any, model: Any) -> Any:
     """The table of `FREEDOM`, (nv,)."""
     table = np.zeros(model.nv, FREEDOM)
     table["first"], table["last"] = model.M_rowadr, model.M_rowadr + model.M_rownnz - 1
-    table["damping"] = model.dof_damping
     turns = model.jnt_type >= 2  # hinges and slides, whose springs have one number
-    table["stiffness"][model.jnt_dofadr[turns]] = model.jnt_stiffness[turns]
+    rows, off = model.jnt_dofadr[turns], model.opt.disableflags
+    if not off & mujoco.mjtDisableBit.mjDSBL_DAMPER:
+        table["damping"] = model.dof_damping
+        own = getattr(model, "actuator_damping", np.zeros(model.nu)) * model.actuator_gear[:, 0] ** 2
+        on_joints = model.actuator_trntype <= 1
+        dofs = model.jnt_dofadr[model.actuator_trnid[on_joints, 0]]
+        np.add.at(table["damping"], dofs, own[on_joints])
+    if not off & mujoco.mjtDisableBit.mjDSBL_SPRING:
+        table["stiffness"][rows] = model.jnt_stiffness[turns]
+    limited = model.jnt_actfrclimited[turns, None]
+    table["torques"] = -np.inf, np.inf
+    table["torques"][rows] = np.where(limited, model.jnt_actfrcrange[turns], [-np.inf, np.inf])
     return table
 
 
@@ -56,6 +71,7 @@ def servos(mujoco: Any, model: Any) -> Any:
             continue
         kind = "act" if dynamics else "ctrl"
         limited, inputs = (getattr(model, f"actuator_{kind}{what}")[i] for what in ("limited", "range"))
+        limited &= bool(dynamics) or not model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_CLAMPCTRL
         forces = model.actuator_forcerange[i] if model.actuator_forcelimited[i] else everywhere
         found.append((
             model.jnt_dofadr[joint], model.actuator_gear[i, 0], output[i],
@@ -64,3 +80,15 @@ def servos(mujoco: Any, model: Any) -> Any:
             inputs if limited else everywhere, forces,
         ))  # fmt: skip
     return np.array(found, SERVO)
+
+
+def at_joints(model: Any, forces: Array) -> tuple[Array, Array]:
+    """Forces of actuators (steps, actuators) as the ranges of their joints leave them, and their gears."""
+    joints, direct, forces = model.actuator_trnid[:, 0], model.actuator_trntype <= 1, forces.copy()
+    gear = np.where(direct, model.actuator_gear[:, 0], 1.0)
+    for joint in np.flatnonzero(model.jnt_actfrclimited):
+        own = direct & (joints == joint)
+        total = (forces[:, own] * gear[own]).sum(axis=1, keepdims=True)
+        held = np.clip(total, *model.jnt_actfrcrange[joint])
+        forces[:, own] *= np.divide(held, total, out=np.ones_like(total), where=held != total)
+    return forces, gear

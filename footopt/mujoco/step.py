@@ -23,9 +23,11 @@ COUNTED = ("steps", "evaluations", "failures", "restarts")
 STEP = np.dtype(
     [
         ("dt", float),  # s
-        ("rk4", np.int64),  # 1 where the integrator is RK4, 0 elsewhere: others take damping implicitly ...
+        ("rk4", np.int64),  # 1 where the integrator is RK4, 0 elsewhere
+        ("damped", np.int64),  # 1 where MuJoCo's integrator takes joints' damping implicitly ...
         ("implicit", np.int64),  # ... and servos' where this is 1 ...
         ("ahead", float),  # ... and stiffness over this time, s
+        ("still", np.int64),  # 1 where depths are those of a stage's beginning
         ("time", float),  # s: MuJoCo's
         ("bypass", np.int64),  # 1 where the gates of effects are not applied
         ("bodies", np.int64),  # near the sand
@@ -195,8 +197,7 @@ def pulls(address, meaning):
             pull = freedom.damping * gain + dt * freedom.stiffness * speed + drift[TORQUE, k]
             drift[CHANGE, k] = gain - dt * space.gained[0, k] if meaning == NEW else 0.0
             drift[PAST, k] = pull - drift[ADDED, k] * drift[CHANGE, k] if meaning == NEW else 0.0
-        drift[SPEED, k], ahead = speed, step.ahead * freedom.stiffness
-        drift[ADDED, k], drift[TORQUE, k] = (1 - step.rk4) * freedom.damping + ahead, -ahead * speed
+        drift[SPEED, k], drift[TORQUE, k], drift[ADDED, k] = speed, 0.0, 0.0
         space.gained[0, k] = 0.0
     for i in range(len(space.servos)):
         servo = space.servos[i]
@@ -212,6 +213,13 @@ def pulls(address, meaning):
             force += step.ahead * by_length * speed
         drift[TORQUE, k] += servo.gear * force
     for k in range(len(space.freedoms)):
+        freedom, torque = space.freedoms[k], drift[TORQUE, k]
+        drift[TORQUE, k] = min(max(torque, freedom.torques[0]), freedom.torques[1])
+        if drift[TORQUE, k] != torque:
+            drift[ADDED, k] = 0.0
+        ahead = step.ahead * freedom.stiffness
+        drift[TORQUE, k] -= ahead * drift[SPEED, k]
+        drift[ADDED, k] += step.damped * freedom.damping + ahead
         drift[PULL, k] = drift[PAST, k] - drift[TORQUE, k] + drift[ADDED, k] * drift[CHANGE, k]
 
 

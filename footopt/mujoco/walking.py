@@ -16,6 +16,7 @@ from footopt.errors import SettingError, check, needed
 from footopt.foot import Foot
 from footopt.mujoco.attaching import Contact
 from footopt.mujoco.controllers import Tracker
+from footopt.mujoco.joints import RK4, at_joints
 from footopt.mujoco.model import Model
 from footopt.mujoco.native import library
 from footopt.walk.accuracy import Accuracy
@@ -27,7 +28,6 @@ HIGH = 100.0  # m, above the sand, for a walk in the air
 SQUARE = 0.5  # cosine of how far the axes of a foot may be from forward and up at the start
 AXES = [0, 2]  # x and z of three
 _LOCK, _quieted = Lock(), list[Any]()  # an entry a walk under way, of which the first knows what was there
-RK4 = 1  # MuJoCo's number of its second explicit integrator; those after it are implicit
 
 
 class Found(NamedTuple):
@@ -184,8 +184,9 @@ def judged(robot: Any, t: Array, sensed: Array, sand: Array, states: Array, coun
         # force of a step: an implicit integrator takes the damping of servos at its end, but at their limits
         damping = np.where(m.actuator_biastype == 1, m.actuator_biasprm[:, 2], 0.0)
         low, high = np.where(m.actuator_forcelimited[:, None], m.actuator_forcerange, [-np.inf, np.inf]).T
-        implicit = (m.opt.integrator > RK4) & (low < force[:-1]) & (force[:-1] < high)
-        mean = force[:-1] + implicit * damping * np.diff(speed, axis=0)
+        given, (force, gear) = force, at_joints(m, force)
+        implicit = (m.opt.integrator > RK4) & (low < force) & (force < high) & (force == given)
+        mean = force[:-1] + implicit[:-1] * damping * np.diff(speed, axis=0)
         power = np.maximum(mean * 0.5 * (speed[:-1] + speed[1:]), 0.0).sum(axis=1)
         v = velocity[late, 0]
         totals |= {
@@ -195,7 +196,7 @@ def judged(robot: Any, t: Array, sensed: Array, sand: Array, states: Array, coun
             "peak_power": np.abs(sand[late[1:], :, 3]).max(initial=0.0),
             "speed_loss": (np.maximum.accumulate(v) - v).max(initial=0.0),
             "joint_work": t[1] * power.sum(),
-            "torque": np.abs(force).max(initial=0.0),
+            "torque": np.abs(force * gear).max(initial=0.0),
             "maximum_sinkage": sand[..., 5].max(),
             "peak_vertical_force": sand[..., 2].sum(axis=1).max(),
         }

@@ -165,8 +165,7 @@ class Run:
     def search(self, **budget: int) -> SearchResult:
         """Its search, from its store: what is missing is walked and kept there; n_gen goes further."""
         config = self.config
-        if config.study.name != "optimize":
-            raise SettingError("study.name", config.study.name, "optimize, to search again")
+        check(config.study.name == "optimize", "study.name", config.study.name, "optimize, to search again")
         problem = build.make_problem(config, self.scene)
         solver = Solver(**vars(config.solver) | budget)
         path = self.folder / (config.study.store or "designs.sqlite")
