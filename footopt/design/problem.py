@@ -152,8 +152,7 @@ class FootProblem(Problem):
     def constraints(self, values: Array, reasons: Words, violation: Array) -> Array:
         """G of `Evaluated`, (designs, n_ieq_constr), met where at most 0.
 
-        The walk succeeds and has all objectives; the sole stays in its box (units of H); each of `limits` is
-        kept (relative to it).
+        The walk succeeds, with all objectives; the sole stays in its box (in H); all `limits` are kept.
         """
         known = np.isfinite(values[:, [self.record.index(name) for name in self.names]]).all(axis=1)
         failed = np.where((reasons == "") & known, -1.0, 1.0)

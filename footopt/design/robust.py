@@ -75,8 +75,7 @@ class RobustProblem(FootProblem):
             scenario.scene.need_heel_strike()
         names = [scenario.name for scenario in scenarios]
         check(len(set(names)) == len(names), "scenarios", names, "of different names")
-        check(measure in RISK_MEASURES, "study.measure", measure, f"one of {', '.join(RISK_MEASURES)}")
-        check(0 < tail <= 1, "study.tail", tail, "a share > 0 and <= 1 of the scenarios")
+        check_measure(measure, tail)
         super().__init__(scenarios[0].scene, objective, space, accuracy, threads, limits)
         self.scenarios = tuple(scenarios)
         self.signs = np.array([MEASURES[name].sign for name in self.record])  # of values, when minimised
@@ -203,6 +202,12 @@ def risk(values: Array, measure: str, tail: float) -> Array:
     worst_first = -np.sort(-values, axis=0)
     # numpy's sum over an axis may round differently from batch to batch
     return np.asarray(sum(part * value for part, value in zip(parts, worst_first, strict=False)) / scenarios)
+
+
+def check_measure(measure: str, tail: float) -> None:
+    """Raise unless a measure is one of `RISK_MEASURES` and its tail a share."""
+    check(measure in RISK_MEASURES, "study.measure", measure, f"one of {', '.join(RISK_MEASURES)}")
+    check(0 < tail <= 1, "study.tail", tail, "a share > 0 and <= 1 of the scenarios")
 
 
 def regret(values: Array, references: Array, name: str) -> Array:

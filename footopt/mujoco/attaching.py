@@ -117,6 +117,7 @@ class Contact:
         step["dt"], step["gravity"] = model.opt.timestep, model.opt.gravity
         kind, euler_explicit = model.opt.integrator, mujoco.mjtDisableBit.mjDSBL_EULERDAMP
         step["rk4"], step["implicit"] = kind == RK4, kind > RK4
+        step["freed"] = int(mujoco.__version__.partition(".")[0]) >= 4
         step["damped"] = kind > RK4 or (kind < RK4 and not model.opt.disableflags & euler_explicit)
         step["ahead"] = model.opt.timestep * (kind > int(mujoco.mjtIntegrator.mjINT_IMPLICITFAST))
         step["length"], step["bypass"] = once.bristle_length or BRISTLE_LENGTH, once.bypass

@@ -26,6 +26,7 @@ STEP = np.dtype(
         ("rk4", np.int64),  # 1 where the integrator is RK4, 0 elsewhere
         ("damped", np.int64),  # 1 where MuJoCo's integrator takes joints' damping implicitly ...
         ("implicit", np.int64),  # ... and servos' where this is 1 ...
+        ("freed", np.int64),  # ... but not at the limits of their joints where this is 1 ...
         ("ahead", float),  # ... and stiffness over this time, s
         ("still", np.int64),  # 1 where depths are those of a stage's beginning
         ("time", float),  # s: MuJoCo's
@@ -197,7 +198,7 @@ def pulls(address, meaning):
             pull = freedom.damping * gain + dt * freedom.stiffness * speed + drift[TORQUE, k]
             drift[CHANGE, k] = gain - dt * space.gained[0, k] if meaning == NEW else 0.0
             drift[PAST, k] = pull - drift[ADDED, k] * drift[CHANGE, k] if meaning == NEW else 0.0
-        drift[SPEED, k], drift[TORQUE, k], drift[ADDED, k] = speed, 0.0, 0.0
+        drift[SPEED, k], drift[TORQUE, k], drift[ADDED, k], drift[PULL, k] = speed, 0.0, 0.0, 0.0
         space.gained[0, k] = 0.0
     for i in range(len(space.servos)):
         servo = space.servos[i]
@@ -207,18 +208,17 @@ def pulls(address, meaning):
         given = min(max(given, servo.inputs[0]), servo.inputs[1])
         by_length, by_speed = servo.bias[1] + servo.gain[1] * given, servo.bias[2] + servo.gain[2] * given
         free = servo.bias[0] + servo.gain[0] * given + by_length * length + by_speed * speed
-        force = min(max(free, servo.forces[0]), servo.forces[1])
+        drift[TORQUE, k] += servo.gear * min(max(free, servo.forces[0]), servo.forces[1])
         if step.implicit and servo.forces[0] < free < servo.forces[1]:
             drift[ADDED, k] -= servo.gear * servo.gear * (by_speed + step.ahead * by_length)
-            force += step.ahead * by_length * speed
-        drift[TORQUE, k] += servo.gear * force
+            drift[PULL, k] -= servo.gear * step.ahead * by_length * speed
     for k in range(len(space.freedoms)):
         freedom, torque = space.freedoms[k], drift[TORQUE, k]
         drift[TORQUE, k] = min(max(torque, freedom.torques[0]), freedom.torques[1])
-        if drift[TORQUE, k] != torque:
-            drift[ADDED, k] = 0.0
+        if step.freed and drift[TORQUE, k] != torque:
+            drift[ADDED, k] = drift[PULL, k] = 0.0
         ahead = step.ahead * freedom.stiffness
-        drift[TORQUE, k] -= ahead * drift[SPEED, k]
+        drift[TORQUE, k] -= drift[PULL, k] + ahead * drift[SPEED, k]
         drift[ADDED, k] += step.damped * freedom.damping + ahead
         drift[PULL, k] = drift[PAST, k] - drift[TORQUE, k] + drift[ADDED, k] * drift[CHANGE, k]
 

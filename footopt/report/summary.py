@@ -172,10 +172,8 @@ def compared(runs: Sequence[Row], share: float = 1.0) -> tuple[list[dict[str, An
     """
     results = [run.result for run in runs]
     sought = dict.fromkeys(name for r in results for name in r.get("objective_names", []))
-    having = {
-        name: [r for r in results if name in r["objectives"] and name in r.get("units", {})]
-        for name in (*sought, *(name for r in results for name in r["objectives"]))
-    }
+    known = dict.fromkeys((*sought, *(name for r in results for name in r["objectives"])))
+    having = {n: [r for r in results if n in r["objectives"] and n in r.get("units", {})] for n in known}
     names = [name for name, those in having.items() if len(those) >= max(share * len(results), 1)]
     columns = [column(n, having[n][0]["units"][n], having[n][0]["maximise"][n]) for n in names]
     values = np.array([[run.objectives.get(name, np.nan) for name in names] for run in runs], float)

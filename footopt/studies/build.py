@@ -198,12 +198,17 @@ def make_start(heights: list[int] | None, space: Waypoints) -> list[list[int]] |
         raise SettingError("study.start", heights, error.allowed, error.hint) from None
 
 
+def make_choice(config: Config) -> Choice:
+    """Which design of a front the settings choose."""
+    choose = config.choose
+    return Choice(choose.name, choose.weights or {}, choose.limits or {})
+
+
 def make_problem(config: Config, scene: Simulator) -> FootProblem:
     """The problem of study=optimize."""
-    names, space, choose = config.objective.names, make_space(config.foot), config.choose
-    choice = Choice(choose.name, choose.weights or {}, choose.limits or {})
-    accuracy, limits = make_accuracy(config.accuracy), make_limits(config)
-    return FootProblem(scene, names, space, accuracy, config.engine.threads, limits, choice)
+    names, space, threads = config.objective.names, make_space(config.foot), config.engine.threads
+    accuracy, limits, choice = make_accuracy(config.accuracy), make_limits(config), make_choice(config)
+    return FootProblem(scene, names, space, accuracy, threads, limits, choice)
 
 
 def make_accuracy(config: Any) -> AnyAccuracy:

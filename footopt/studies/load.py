@@ -155,9 +155,8 @@ class Run:
         if accuracy is not None:
             return simulate(self.foot, self.scene, accuracy)
         saved = self.result.get("accuracy")
-        walk = simulate(
-            self.foot, self.scene, Accuracy(**saved) if saved else build.make_accuracy(self.config.accuracy)
-        )
+        numbers = Accuracy(**saved) if saved else build.make_accuracy(self.config.accuracy)
+        walk = simulate(self.foot, self.scene, numbers)
         for note in changed_since(self.result, walk):
             log.warning("%s: %s", self.folder, note)
         return walk

@@ -21,13 +21,7 @@ from footopt.files.identity import changed_settings, finished, locked, result_of
 from footopt.foot import Foot, Waypoints
 from footopt.report.output import Output
 from footopt.studies import ROBOT, SCENE, SETTING_OF_GROUP, build, searches, within
-from footopt.studies.settings import (
-    CHANGEABLE,
-    REPORTS,
-    STUDIES,
-    AccuracyConfig,
-    Config,
-)
+from footopt.studies.settings import CHANGEABLE, REPORTS, STUDIES, AccuracyConfig, Config
 from footopt.walk import Scene, Simulator
 from footopt.walk.accuracy import AnyAccuracy, confirming
 from footopt.walk.loop import at_once

@@ -15,10 +15,7 @@ from footopt.compiled import cached_njit, wide_njit
 from footopt.effects.base import HOOKS
 
 #: Folders of footopt and of all that is installed, whose versions say what it is.
-INSTALLED = (
-    str(Path(__file__).parents[1]),
-    *{sysconfig.get_path(name) for name in ("stdlib", "purelib", "platlib")},
-)
+INSTALLED = (str(Path(__file__).parents[1]), *map(sysconfig.get_path, ("stdlib", "purelib", "platlib")))
 
 
 def is_own(thing: Any) -> bool:
