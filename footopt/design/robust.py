@@ -133,9 +133,7 @@ class RobustProblem(FootProblem):
 
     def walk(self, k: Ints) -> tuple[Array, Words]:
         """Measures of the values over the scenarios, (designs, record), and the reasons of failed walks."""
-        values, reasons = self.walk_each(k)
-        worst = [MEASURES[name].worst for name in self.record]  # for what has no value
-        return self._measured(np.where(np.isnan(values), worst, values), reasons)
+        return self._measured(*self.walk_each(k))
 
     def _measured(self, values: Array, reasons: Words) -> tuple[Array, Words]:
         """Measures, and in the first of the scenarios (scenarios, designs, ...) that a design fails in, why.

@@ -63,18 +63,18 @@ def servos(mujoco: Any, model: Any) -> Any:
     control, output = (getattr(model, f"actuator_{name}adr", each) for name in ("ctrl", "out"))  # since 3.11
     off = model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_ACTUATION
     for i in range(0 if off else len(model.actuator_trntype)):
-        joint, dynamics = model.actuator_trnid[i, 0], model.actuator_dyntype[i]
+        joint, dynamics, group = (getattr(model, f"actuator_{n}")[i] for n in ("trnid", "dyntype", "group"))
         affine = model.actuator_gaintype[i], model.actuator_biastype[i]  # 0: fixed gain and no bias
-        known = model.actuator_trntype[i] <= 1 and model.jnt_type[joint] >= 2 and max(affine) <= 1
+        known = model.actuator_trntype[i] <= 1 and model.jnt_type[joint[0]] >= 2 and max(affine) <= 1
         known &= dynamics <= int(mujoco.mjtDyn.mjDYN_FILTEREXACT) and model.actuator_plugin[i] < 0
-        if not known or model.opt.disableactuator >> max(model.actuator_group[i], 0) & 1:
+        if not known or (group >= 0 and model.opt.disableactuator >> group & 1):
             continue
         kind = "act" if dynamics else "ctrl"
         limited, inputs = (getattr(model, f"actuator_{kind}{what}")[i] for what in ("limited", "range"))
-        limited &= bool(dynamics) or not model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_CLAMPCTRL
+        limited &= not (dynamics or model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_CLAMPCTRL)
         forces = model.actuator_forcerange[i] if model.actuator_forcelimited[i] else everywhere
         found.append((
-            model.jnt_dofadr[joint], model.actuator_gear[i, 0], output[i],
+            model.jnt_dofadr[joint[0]], model.actuator_gear[i, 0], output[i],
             -1 if dynamics else control[i], model.actuator_actadr[i] + model.actuator_actnum[i] - 1,
             model.actuator_gainprm[i, :3] * [1, *2 * affine[:1]], model.actuator_biasprm[i, :3] * affine[1],
             inputs if limited else everywhere, forces,

@@ -61,7 +61,6 @@ BODY = np.dtype(
 #: and N m; accelerations by all but the sand, and by the sand; mean wrenches that it gives, and the end's.
 TWIST, BEFORE, FREE, GAINED, MEAN, END = range(6)
 
-
 #: Columns of `Workspace.moment`: whether there was a step, when it began, s, and RK4's stages since then.
 BEGAN, START, SEEN = range(3)
 #: Rows of `Workspace.spent`: work of the sand over the steps before, J, and over the step.

@@ -182,7 +182,7 @@ def judged(robot: Any, t: Array, sensed: Array, sand: Array, states: Array, coun
     if not reason:
         late = t >= robot.after - 1e-9
         # force of a step: an implicit integrator takes the damping of servos at its end, but at their limits
-        damping = np.where(m.actuator_biastype == 1, m.actuator_biasprm[:, 2], 0.0)
+        damping = np.where(force.any(axis=0) & (m.actuator_biastype == 1), m.actuator_biasprm[:, 2], 0.0)
         low, high = np.where(m.actuator_forcelimited[:, None], m.actuator_forcerange, [-np.inf, np.inf]).T
         given, (force, gear) = force, at_joints(m, force)
         implicit = (m.opt.integrator > RK4) & (low < force) & (force < high) & (force == given)

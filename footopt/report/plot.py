@@ -13,8 +13,7 @@ from matplotlib.axes import Axes as PlainAxes
 
 from footopt.errors import SettingError, check
 from footopt.report.figures.scenes import draw_angles, draw_contour, draw_path, draw_stress
-from footopt.report.figures.search import FRONT, draw_convergence, draw_pair
-from footopt.report.figures.walks import QUANTITIES, draw_quantity
+from footopt.report.figures.walks import FRONT, QUANTITIES, draw_convergence, draw_pair, draw_quantity
 from footopt.report.stage import draw_walk
 from footopt.report.style import COLUMN, PAGE, Axes, fit_height, new_figure, styled
 

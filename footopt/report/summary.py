@@ -22,7 +22,7 @@ from footopt.files.feet import MM
 from footopt.files.io import read_json_file, write_csv
 from footopt.foot.waypoints import heights_text
 from footopt.report import page
-from footopt.report.figures.search import scatter_matrix
+from footopt.report.figures.walks import scatter_matrix
 from footopt.report.numbers import number, percent
 from footopt.report.page.file import column, packed
 from footopt.report.style import save
@@ -200,7 +200,7 @@ def _print_table(folder: Path, runs: Sequence[Row], labels: Sequence[str]) -> No
     if doubted := [label for label, run in zip(labels, runs, strict=True) if run.doubt]:
         out.print(f"J_W against the flat foot, sign not certain: {'; '.join(doubted)}", soft_wrap=True)
     sought = {name for i in done for name in runs[i].result.get("objective_names", [])}
-    if len(done) > 1 and len(sought) == 1 and columns and np.isfinite(values[:, 0]).any():
+    if len(done) > 1 and columns and sought == {columns[0]["name"]} and np.isfinite(values[:, 0]).any():
         best = int(np.nanargmax(values[:, 0] if columns[0]["maximise"] else -values[:, 0]))
         out.print(f"Best {titles[0]}: {number(values[best, 0])}, {labels[done[best]]}", soft_wrap=True)
     if left := titles[fit:]:

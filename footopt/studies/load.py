@@ -37,7 +37,7 @@ def changed_since(result: Mapping[str, Any], walk: Walk) -> list[str]:
     values, before = walk.objectives, result.get("objectives") or {}
     for name in values.keys() & before.keys():
         value, once = values[name], before[name]
-        if once is not None and abs(relative_change(np.array(value), np.array(once))) > SAME:
+        if once is not None and not abs(relative_change(np.array(value), np.array(once))) <= SAME:
             why = "A file that the run reads has changed since, or code"
             return [f"{why}: {name.replace('_', ' ')} is {value:.4g}, and was {once:.4g}."]
     return []

@@ -281,7 +281,7 @@ def _search_entry(result: SearchResult, confirmed: Confirmation, finalists: int)
 def _draw(study: Study, result: SearchResult, chosen: int, flat: dict[str, float]) -> None:
     """Draw how a search went, and the front that it found."""
     from footopt.report import figures  # matplotlib takes a second
-    from footopt.report.figures.search import FRONT
+    from footopt.report.figures.walks import FRONT
 
     problem, several = result.problem, result.problem.n_obj > 1
     if result.solver.name != EXHAUSTIVE:

@@ -193,7 +193,6 @@ quantity("torque", r"$\tau_{\max}$", "N m", maximise=False, worst=1e9, least=0.0
 # How long a robot walks before it falls, s: known of walks that fail, too.
 quantity("survival", r"$t_{\mathrm{fall}}$", "s", maximise=True, worst=0.0)
 
-
 #: The paper's objectives, in the order of every table.
 FIVE = ("distance", "mean_height", "work", "peak_power", "speed_loss")
 

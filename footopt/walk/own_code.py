@@ -4,10 +4,14 @@ import ast
 import hashlib
 import inspect
 import marshal
+import os
+import site
 import sys
 import sysconfig
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from functools import lru_cache
+from itertools import accumulate
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +19,13 @@ from footopt.compiled import cached_njit, wide_njit
 from footopt.effects.base import HOOKS
 
 #: Folders of footopt and of all that is installed, whose versions say what it is.
-INSTALLED = (str(Path(__file__).parents[1]), *map(sysconfig.get_path, ("stdlib", "purelib", "platlib")))
+FOLDERS = (
+    Path(__file__).parents[1],
+    sysconfig.get_path("stdlib"),
+    *site.getsitepackages(),
+    site.getusersitepackages(),
+)
+INSTALLED = tuple(f"{folder}{os.sep}" for folder in FOLDERS)
 
 
 def is_own(thing: Any) -> bool:
@@ -50,18 +60,27 @@ def source_of(thing: Any) -> bytes:
 
 def _read_imported(module: Any, path: str, files: dict[str, bytes]) -> None:
     """Read the files of a user's modules that a module with its file at a path imports, and so on."""
-    for node in ast.parse(files[path]).body:  # which every process imports
+    for node in _at_import(files[path]):
+        names = [one.name for one in node.names] if isinstance(node, ast.Import) else []
         if isinstance(node, ast.ImportFrom):
             package = module.__package__.split(".")[: -node.level + 1 or None] if node.level else []
-            within = ".".join([*package, *filter(None, [node.module])])
-            names = [within, *(f"{within}.{one.name}" for one in node.names)]
-        else:
-            names = [one.name for one in node.names] if isinstance(node, ast.Import) else []
-        for other in (sys.modules[name] for name in names if name in sys.modules):
-            place = getattr(other, "__file__", None) or ""
+            within = [*package, *filter(None, [node.module])]
+            names = [".".join([*within, one.name]) for one in node.names]
+        for name in (part for full in names for part in accumulate(full.split("."), "{}.{}".format)):
+            place = getattr(sys.modules.get(name), "__file__", None) or ""
             if place.endswith(".py") and not place.startswith(INSTALLED) and place not in files:
                 files[place] = Path(place).read_bytes()
-                _read_imported(other, place, files)
+                _read_imported(sys.modules[name], place, files)
+
+
+def _at_import(code: Any) -> Iterator[ast.AST]:
+    """What runs as a module is imported, in every process: not what is in its functions."""
+    with suppress(SyntaxError, ValueError):  # of a file that is being edited: text has no children
+        code = ast.parse(code) if isinstance(code, bytes) else code
+    for child in ast.iter_child_nodes(code) if isinstance(code, ast.AST) else ():
+        if not isinstance(child, (ast.FunctionDef, ast.AsyncFunctionDef, ast.expr)):
+            yield child
+            yield from _at_import(child)
 
 
 @lru_cache(maxsize=32)

@@ -107,13 +107,6 @@ LEAST_FORCE = 1.0  # N, vertical: above it a foot stands on the sand
 SIDES = {1: ("single",), 2: ("left", "right")}
 
 
-class Objectives(dict[str, float]):
-    """Objectives of a walk by name."""
-
-    def __missing__(self, name: str) -> float:
-        raise KeyError(f"no {name!r} among {', '.join(self)}; `Walk.measures` has any other")
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class Walk:
     """One simulated walk: traces at the end of every step, T of them, and what they add up to.
@@ -191,7 +184,7 @@ class Walk:
         """All objectives by name, in natural signs; NaN for a failed walk."""
         raw = {name: np.array([value if self.feasible else np.nan]) for name, value in self.totals.items()}
         names = [name for name in offered(self.scene) if name in OBJECTIVES]
-        return Objectives((name, float(OBJECTIVES[name].value(raw, self.scene)[0])) for name in names)
+        return {name: float(OBJECTIVES[name].value(raw, self.scene)[0]) for name in names}
 
     def measures(self, names: Sequence[str]) -> dict[str, float]:
         """Any measures by name (`footopt.walk.objectives.MEASURES`), natural signs; NaN for a failed walk."""

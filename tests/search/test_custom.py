@@ -62,7 +62,9 @@ class TestPlugins:
         self, tmp_path, monkeypatch
     ):
         own, imported = tmp_path / "own_objective.py", tmp_path / "tariffs.py"
-        text = (CUSTOM / "objective.py").read_text(encoding="utf-8") + "\nfrom tariffs import PRICE\n"
+        text = (CUSTOM / "objective.py").read_text(
+            encoding="utf-8"
+        ) + "\ntry:\n    from tariffs import PRICE\nfinally:\n    pass\n"
         own.write_text(text, encoding="utf-8")
         imported.write_text("PRICE = 1.0", encoding="utf-8")
         monkeypatch.syspath_prepend(tmp_path)

@@ -94,7 +94,7 @@ class TestLoad:
             again.search()
         walk = fo.run(["study=simulate", f"study.run={run.folder}", "report=none"], tmp_path / "walk")
         assert "has changed since" in walk.result["notes"][-1]
-        with pytest.raises(SettingError, match="scene = 'given'"):
+        with pytest.raises(SettingError, match="scene = 'brisk'"):
             fo.run(["study=simulate", f"study.run={run.folder}", "scene=brisk"], tmp_path / "brisk")
 
     def test_a_folder_without_a_run_is_refused(self, tmp_path):

@@ -4,8 +4,7 @@ Functions named ``draw_*`` draw on Axes of the caller's.
 """
 
 from footopt.report.figures.scenes import contour, contours
-from footopt.report.figures.search import convergence, scatter_matrix
-from footopt.report.figures.walks import com, forces, power_work, step
+from footopt.report.figures.walks import com, convergence, forces, power_work, scatter_matrix, step
 from footopt.report.style import save
 
 __all__ = [
