@@ -179,12 +179,8 @@ def in_world_of_run(
     found, now = (OmegaConf.create({**settings, **new}) for new in ({**world, "foot": foot}, {}))
     for name in given:
         good = "." in name or (name != "scene" and name in {**settings, **SETTING_OF_GROUP})
-        check(
-            good,
-            name,
-            settings.get(name, {}).get("name"),
-            "left out with run=: give what it sets, such as sand=hard",
-        )
+        chosen = settings["scene"]["name"] if name == "scene" else "chosen"
+        check(good, name, chosen, "left out with run=: give what it sets, such as sand=hard")
     changed = {*changed_settings(settings, default), *(SETTING_OF_GROUP.get(name, name) for name in given)}
     for name in sorted(changed):  # a group before what is in it
         if name.partition(".")[0] in world:
