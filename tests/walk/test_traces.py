@@ -32,8 +32,6 @@ class TestFailures:
         assert np.isfinite(walk.force).all()
         assert walk.com[-1, 1] < 0.2
         assert all(math.isnan(value) for value in walk.objectives.values())
-        with pytest.raises(KeyError, match=r"energy.* distance.*work"):
-            walk.objectives["energy"]
 
     def test_a_gait_run_backwards_in_time_walks_backwards(self, ramp_foot):
         human = fo.Gait.human()
