@@ -109,13 +109,8 @@ class Robot(Simulator):
         known = self.duration is not None and 0.0 < self.duration <= 300.0  # of whose steps all is in memory
         check(known, "robot.duration", self.duration, "a time > 0 and <= 300, in s", "Are commands in s?")
         allowed = f"a time >= 0 and < {self.duration:g}, robot.duration, in s"
-        check(
-            0.0 <= self.after < self.duration,
-            "robot.after",
-            self.after,
-            allowed,
-            "Or lengthen robot.duration.",
-        )
+        known, hint = 0.0 <= self.after < self.duration, "Or lengthen robot.duration."
+        check(known, "robot.after", self.after, allowed, hint)
         check(0.0 < self.lowest < 1.0, "robot.lowest", self.lowest, "a number between 0 and 1")
         check(0.0 < self.tilt <= math.pi, "robot.tilt", self.tilt, "an angle > 0 and <= pi, in rad")
         known = self.density is None or 0.0 < self.density <= 1e5
