@@ -171,7 +171,7 @@ def run(overrides: Sequence[str] = (), folder: str | Path | None = None) -> Run:
     ----------
     overrides : sequence of str
         Settings as on the command line, such as ``["sand=soft", "solver=nsga2"]``; with ``resume=FOLDER``
-        that run goes on.
+        that run goes on, and ``hydra.searchpath=[FOLDER]`` stands for ``--config-dir FOLDER``.
     folder : str or Path, optional
         Where a new run leaves what it finds; by default as on the command line, below outputs/.
 

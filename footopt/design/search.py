@@ -199,8 +199,9 @@ def _begun(problem: FootProblem, solver: Solver, known: Known, start: Any, termi
         start = problem.space.check(start)
         check(len(start) <= most, "start", len(start), f"at most {most} designs")
         drawing = Initialization(initial.sampling)
-        drawn = drawing.do(problem, most, random_state=algorithm.random_state).get("X").copy()
-        drawn[: len(start)] = start
+        drawn = drawing.do(problem, most, random_state=algorithm.random_state)
+        for one, k in zip(drawn, start, strict=False):
+            one.X = dict(zip(problem.vars, k.tolist(), strict=True)) if isinstance(one.X, dict) else k
         initial.sampling = drawn
     return algorithm
 

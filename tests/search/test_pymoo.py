@@ -106,7 +106,10 @@ def test_a_genetic_algorithm_of_mixed_variables_finds_integers():
     found = minimize(p, MixedVariableGA(pop_size=10), ("n_gen", 3), seed=1)
     assert list(found.X) == ["k1", "k2", "k3", "k4", "k5"]
     check_found(p, found.X, found.F)
-    check_found(p, (ours := search(p, MixedVariableGA(pop_size=10), n_gen=3)).X, ours.F)
+    start = [[1, 2, 3, 2, 1], [4, 4, 4, 4, 4]]
+    ours = search(p, MixedVariableGA(pop_size=10), n_gen=3, start=start)
+    check_found(p, ours.X, ours.F)
+    assert ours.k[:2].tolist() == start
 
 
 @pytest.mark.parametrize("objective", ["efficiency", "pareto"])

@@ -102,9 +102,10 @@ def test_the_study_leaves_a_sand_that_runs_use(tmp_path):
     assert done.returncode == 0, done.stderr
     file = yaml.safe_load((tmp_path / "found" / "sand" / "my_beach.yaml").read_text())
     assert file["zeta"] == pytest.approx(0.94, rel=0.15)
-    words = ["study=simulate", "sand=my_beach", "accuracy=draft", "report=none", "hydra.run.dir=walk"]
-    used = footopt("--config-dir", "found", *words, cwd=tmp_path)
+    words = ["study=simulate", "sand=my_beach", "accuracy=draft", "report=none"]
+    used = footopt("--config-dir", "found", *words, "hydra.run.dir=walk", cwd=tmp_path)
     assert used.returncode == 0, used.stderr
-    run = fo.load(tmp_path / "walk")
+    run = fo.run([*words, f"hydra.searchpath=[{tmp_path}/found]"], tmp_path / "in Python")
+    assert run.best == fo.load(tmp_path / "walk").best
     assert run.scene.sand.zeta == pytest.approx(file["zeta"])
     assert run.config.sand.spread == pytest.approx(file["spread"])
