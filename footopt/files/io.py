@@ -136,7 +136,7 @@ def load_module(name: str, setting: str) -> ModuleType:
             sys.path.append(str(path.parent))
     try:
         module = import_module(path.stem if is_file else name)
-    except Exception as error:
+    except (Exception, SystemExit) as error:  # a script without a main guard
         why = f"something that can be imported ({type(error).__name__}: {error})"
         raise SettingError(setting, name, why) from error
     own = not is_file or (module.__file__ is not None and path.samefile(module.__file__))
