@@ -261,6 +261,9 @@ def _fingerprint(own: Any, within: tuple[Any, ...] = ()) -> tuple[str, str]:
     bound: list[Any] = [own.args, own.keywords] if isinstance(own, partial) else []
     bound += [cell.cell_contents for cell in getattr(inner, "__closure__", None) or ()]
     bound += [getattr(inner.__self__, "__dict__", None)] if ismethod(inner) else []
+    session = getattr(inner, "__globals__", None) or {"__file__": ""}
+    if "__file__" not in session:  # a notebook's, of which no file says what the names in the code are
+        bound += [session.get(name) for name in inner.__code__.co_names]
     within = (*within, inner)
     for one in filter(isfunction, bound):  # a function's own, and not itself again
         digest.update(b"" if one in within else _fingerprint(one, within)[1].encode())

@@ -70,6 +70,15 @@ def bound(foot, by):
     return {"work": by * foot.hollow}
 
 
+def session(by, power=1):
+    """A function of a notebook, whose names are of the session alone."""
+    names = {"BY": by, "__name__": "__main__"}
+    exec(
+        f"def scaled(x): return BY * x**{power}\ndef of(foot): return {{'work': scaled(foot.hollow)}}", names
+    )
+    return names["of"]
+
+
 class Own(fo.Inertia):
     """An effect by the law of another."""
 
@@ -77,8 +86,9 @@ class Own(fo.Inertia):
 def test_a_key_has_what_functions_are_bound_to_and_the_effects_of_every_scenario():
     functions = [factory(1.0), factory(2.0), partial(bound, by=1.0), partial(bound, by=2.0)]
     functions += [Times(1.0).work, Times(2.0).work, nested(1.0), nested(2.0)]
+    functions += [session(1.0), session(2.0), session(1.0, power=2), session(1.0)]  # the last is the first
     made = [fo.FunctionSimulator(one, ["work"]) for one in functions]
-    assert len({digest(key_of(fo.FootProblem(one, "work", SMALL, QUICK))) for one in made}) == 8
+    assert len({digest(key_of(fo.FootProblem(one, "work", SMALL, QUICK))) for one in made}) == 11
     own = [fo.Scene(), fo.Scene(effects=(Own(),))]
     robust = [
         fo.RobustProblem([*map(fo.Scenario, "ab", scenes)], "work", SMALL, QUICK, references=np.ones(2))
