@@ -15,7 +15,7 @@ from rich.table import Table as RichTable
 
 from footopt.arrays import Array
 from footopt.design import Confirmation, FootProblem, SearchResult, Solver, confirm, search
-from footopt.design.robust import RobustProblem, regret
+from footopt.design.robust import RobustProblem, regret, risk
 from footopt.design.scenarios import Scenario, Spread, draw, plausible_laws, sands
 from footopt.design.store import plain
 from footopt.errors import FootoptError, SettingError, check
@@ -53,8 +53,13 @@ def run(study: Study) -> None:
             result, confirmed = searched(study, alone, solver, s.name, finer, executor, step)
             k.append(result.k[confirmed.designs[0]])
         problem.specialists = np.array(k)
-        problem.references = problem.bests(problem.walk_each(problem.specialists)[0])
-        result, confirmed = searched(study, problem, solver, ROBUST, finer, executor, step, len(scenarios), k)
+        values = problem.walk_each(problem.specialists)[0]
+        problem.references = problem.bests(values)
+        losses = risk(np.nan_to_num(compare(problem, values).T, nan=np.inf), options.measure, options.tail)
+        start = problem.specialists[np.sort(np.argsort(losses, kind="stable")[: next(solver.sizes())])]
+        result, confirmed = searched(
+            study, problem, solver, ROBUST, finer, executor, step, len(scenarios), start
+        )
     study.say(terminal.describe_confirmation(confirmed))
     k.append(result.k[confirmed.designs[0]])
 

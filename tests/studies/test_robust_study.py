@@ -44,13 +44,14 @@ def test_regrets_are_what_the_library_computes(tmp_path):
 @pytest.mark.slow
 def test_of_drawn_scenarios_each_has_its_specialist(tmp_path, monkeypatch):
     unrender(monkeypatch)
-    words = ["study.scenarios=drawn", "study.draws=3", "study.measure=tail", "solver=nsga2"]
-    run_study(composed(*BRIEF, *words, "objective.names=[distance,efficiency]"), tmp_path, {})
+    words = ["study.scenarios=drawn", "study.draws=5", "study.measure=tail", "solver=nsga2"]
+    words += ["solver.pop_size=4", "objective.names=[distance,efficiency]"]  # fewer than specialists
+    run_study(composed(*BRIEF, *words), tmp_path, {})
     check_page(tmp_path)
     result = json.loads((tmp_path / "result.json").read_text())
-    assert list(result["feet"]) == ["draw 1", "draw 2", "draw 3", "robust"]
+    assert list(result["feet"]) == [*(f"draw {i}" for i in range(1, 6)), "robust"]
     zetas = [s["scene"]["sand"]["zeta"] for s in result["scenarios"]]
-    assert zetas == [s.scene.sand.zeta for s in fo.draw(fo.Scene(), fo.Spread(), 3, 1)]
+    assert zetas == [s.scene.sand.zeta for s in fo.draw(fo.Scene(), fo.Spread(), 5, 1)]
 
 
 def test_what_is_null_is_measured_from_the_strides_of_the_gait(tmp_path):
