@@ -48,7 +48,12 @@ def write(folder: Path, sand: str, designs: int) -> Path:
     confirmed = confirm(result, "standard", 2)
     best = fo.Foot.from_waypoints(result.k[confirmed.designs[0]], problem.space)
     walk, flat = (fo.simulate(foot, problem.scene, "standard") for foot in (best, fo.Foot.flat()))
-    entry = {"flat": flat.objectives, "accuracy": {"name": "standard"}, "scene": {"effects": {}}}
+    entry = {
+        "flat": flat.objectives,
+        "remarks": [],
+        "accuracy": {"name": "standard"},
+        "scene": {"effects": {}},
+    }
     content = page.search_content(result, confirmed, walk, flat, entry)
     return page.write(folder / "report.html", content | {"folder": "outputs/optimize/one", "overrides": ""})
 

@@ -112,7 +112,7 @@ class Multirun(Callback):
         if os.path.lexists(folder / "multirun.yaml"):  # a link, too: Hydra would write where it leads to
             hint = f"footopt resume={folder} goes on with it; or choose another hydra.sweep.dir."
             sys.exit(f"footopt: error: {folder}: holds a multirun. {hint}")  # Hydra passes nothing else on
-        with suppress(HydraException, OmegaConfBaseException):  # the sweeper, or the job, says so
+        with suppress(HydraException, OmegaConfBaseException, TypeError, ValueError):  # the job says so
             for name, settings, overrides in _jobs(config, begin):
                 (folder / name).mkdir(parents=True, exist_ok=True)
                 with suppress(FootoptError):

@@ -52,8 +52,8 @@ def translate(error: BaseException, overrides: Sequence[str]) -> FootoptError | 
     if bad := next((one for one in overrides if one.startswith("=")), getattr(error, "override", "")):
         return FootoptError(f"{bad}: {_syntax(*bad.partition('='))}")
     if "Config group override must be" in text or isinstance(error, TypeError):  # footopt sand=2.5, sand=[2]
-        group = next((name for name in given if name in groups() and NO_NAME.match(given[name])), "")
-        choice = given.get(group, "")
+        pairs = [(name, part) for name in given if name in groups() for part in given[name].split(",")]
+        group, choice = next((pair for pair in pairs if NO_NAME.match(pair[1])), ("", ""))
     if text.startswith("Ambiguous value for argument"):  # footopt sand.zeta=1,2
         name, _, value = text.split("'")[1].partition("=")
         hint = f"For a run of each: footopt -m '{name}={value}'"

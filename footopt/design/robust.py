@@ -210,4 +210,6 @@ def check_measure(measure: str, tail: float) -> None:
 
 def regret(values: Array, references: Array, name: str) -> Array:
     """The relative loss against reference values of an objective: 0 is as good, 0.1 a tenth worse."""
-    return MEASURES[name].sign * (values - references) / np.abs(references)
+    lost = MEASURES[name].sign * (values - references)
+    with np.errstate(divide="ignore", invalid="ignore"):  # a hollow of 0 is beyond any share
+        return np.where(lost == 0.0, 0.0, lost / np.abs(references))

@@ -22,6 +22,11 @@ def quantity(value: float, unit: str) -> str:
     return f"{number(value)} {unit}".rstrip()
 
 
+def counted(number: int, noun: str) -> str:
+    """How many there are of a thing: 1 design, 1,000 designs."""
+    return f"{number:,} {noun}{'s' * (number != 1)}"
+
+
 def percent(share: float) -> str:
     """A share of 1 with two significant digits, without exponent: 0.00082 %, 12 %; a dash for no number."""
     value = 100.0 * share

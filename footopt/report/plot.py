@@ -13,7 +13,7 @@ from matplotlib.axes import Axes as PlainAxes
 
 from footopt.errors import SettingError, check
 from footopt.report.figures.scenes import draw_angles, draw_contour, draw_path, draw_stress
-from footopt.report.figures.walks import FRONT, QUANTITIES, draw_convergence, draw_pair, draw_quantity
+from footopt.report.figures.walks import QUANTITIES, draw_convergence, draw_pair, draw_quantity
 from footopt.report.stage import draw_walk
 from footopt.report.style import COLUMN, PAGE, Axes, fit_height, new_figure, styled
 
@@ -91,7 +91,8 @@ def drawings(thing: Any) -> Drawings:
 def _draw_front(axes: Axes, result: Any) -> None:
     """The designs of the front by the first two objectives; the chosen one stands out."""
     values = np.stack([result.column(name) for name in result.problem.names], axis=1)
-    draw_pair(axes, {FRONT: values[result.shown]}, result.problem.names, {"chosen": values[result.best]})
+    front, chosen = {"designs on the front": values[result.shown]}, {"chosen": values[result.best]}
+    draw_pair(axes, front, result.problem.names, chosen)
 
 
 DRAWINGS: dict[str, Drawings] = {

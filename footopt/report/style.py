@@ -43,6 +43,7 @@ SAND, SURFACE, STRONG_SAND = "#F3E9D2", "#E69F00", "#7A5230"
 #: Lines that look the same in every figure, by what they are; a stronger sand is darker.
 ROLES: dict[str, dict[str, Any]] = {
     "best": {"color": BEST},
+    "chosen": {"color": BEST},
     "robust": {"color": BEST},
     "flat": {"color": FLAT, "ls": "--"},
     "soft": {"color": SURFACE},

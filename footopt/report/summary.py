@@ -165,8 +165,8 @@ def compare(folder: Path, folders: Sequence[Path]) -> int:
     return sum(not r or (r.get("study") == "simulate" and bool(r.get("reason"))) for r in results)
 
 
-def compared(runs: Sequence[Row], share: float = 1.0) -> tuple[list[dict[str, Any]], Array]:
-    """The objectives that a share of runs has, those sought first, as columns of the page, and values.
+def compared(runs: Sequence[Row]) -> tuple[list[dict[str, Any]], Array]:
+    """The objectives that half of the runs have, those sought first, as columns of the page, and values.
 
     J_W is a multiple of the flat foot's where all know it.
     """
@@ -174,7 +174,7 @@ def compared(runs: Sequence[Row], share: float = 1.0) -> tuple[list[dict[str, An
     sought = dict.fromkeys(name for r in results for name in r.get("objective_names", []))
     known = dict.fromkeys((*sought, *(name for r in results for name in r["objectives"])))
     having = {n: [r for r in results if n in r["objectives"] and n in r.get("units", {})] for n in known}
-    names = [name for name, those in having.items() if len(those) >= max(share * len(results), 1)]
+    names = [name for name, those in having.items() if len(those) >= max(0.5 * len(results), 1)]
     columns = [column(n, having[n][0]["units"][n], having[n][0]["maximise"][n]) for n in names]
     values = np.array([[run.objectives.get(name, np.nan) for name in names] for run in runs], float)
     flat = [run.flat for run in runs]
@@ -187,7 +187,7 @@ def compared(runs: Sequence[Row], share: float = 1.0) -> tuple[list[dict[str, An
 def _print_table(folder: Path, runs: Sequence[Row], labels: Sequence[str]) -> None:
     """Print a row for each run with as many objectives as fit, and the best run of one objective."""
     out, done = console(), [i for i, run in enumerate(runs) if run.objectives]
-    columns, values = compared([runs[i] for i in done], 0.5)
+    columns, values = compared([runs[i] for i in done])
     titles = [f"{c['title']} ({c['unit']})".removesuffix(" ()") for c in columns]
     laws = ["J_W by other laws"] * any(run.under_laws for run in runs)
     fit = max((out.width - ROOM - RANGE * len(laws)) // COLUMN, 1)

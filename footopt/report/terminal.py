@@ -22,7 +22,7 @@ from footopt.effects import Effect, name_of
 from footopt.effects.base import parameters
 from footopt.foot import Foot, Waypoints
 from footopt.foot.waypoints import heights_text
-from footopt.report.numbers import TINY, change, number, percent, quantity, title
+from footopt.report.numbers import TINY, change, counted, number, percent, quantity, title
 from footopt.sand.law import EARTH
 from footopt.walk import MEASURES, Simulator, gain_shares
 from footopt.walk.checks import Diagnostic
@@ -206,29 +206,30 @@ def describe_search(result: SearchResult) -> str:
     front = f", {len(result.front)} on the front{shown}" if result.problem.n_obj > 1 else ""
     ended = " (interrupted)" if result.interrupted else f" (stopped {result.stopped})" * bool(result.stopped)
     return (
-        f"{result.solver.name}, seed {result.solver.seed}: {result.evaluations} evaluations of "
-        f"{result.designs} designs{reused} in {result.seconds:.1f} s, {sum(lost.values())} infeasible{why}"
-        f"{front}{ended}"
+        f"{result.solver.name}, seed {result.solver.seed}: {counted(result.evaluations, 'evaluation')} of "
+        f"{counted(result.designs, 'design')}{reused} in {result.seconds:.1f} s, "
+        f"{sum(lost.values())} infeasible{why}{front}{ended}"
     )
 
 
 def describe_few(result: SearchResult) -> list[str]:
     """A caution where a search that is not exact has evaluated few designs."""
-    if result.solver.name == "exhaustive" or result.designs >= FEW:
+    space = result.problem.space
+    if result.solver.name == "exhaustive" or result.designs >= min(FEW, space.K**space.n):
         return []
-    return [f"Only {result.designs} designs were evaluated: a search of 10,000 may find a better foot."]
+    return [f"Only {counted(result.designs, 'design')} evaluated: a search of 10,000 may find a better foot."]
 
 
 def describe_confirmation(confirmed: Confirmation) -> str:
     """The finalists at the finer accuracy, in one line."""
-    finalists, accuracy = len(confirmed.designs), confirmed.accuracy.name
+    finalists, accuracy = counted(len(confirmed.designs), "finalist"), confirmed.accuracy.name
     if math.isnan(confirmed.largest_change):
-        return f"None of {finalists} finalists is feasible at accuracy {accuracy}"
+        return f"None of {finalists} is feasible at accuracy {accuracy}"
     verdict = "the best design is unchanged" if confirmed.agrees else "another design is now the best"
     if worse := int((~confirmed.good).sum()):
-        verdict += f"; {worse} finalists became infeasible or dominated"
+        verdict += f"; {counted(worse, 'finalist')} became infeasible or dominated"
     change = f"values change by up to {percent(confirmed.largest_change)}"
-    return f"{finalists} finalists evaluated again at accuracy {accuracy}: {change}, {verdict}"
+    return f"{finalists} evaluated again at accuracy {accuracy}: {change}, {verdict}"
 
 
 def print_validity(out: Console, diagnostics: Sequence[Diagnostic]) -> None:

@@ -89,7 +89,7 @@ def run(study: Study) -> None:
     folder = study.folder / "sand"
     folder.mkdir(parents=True, exist_ok=True)
     write_text(folder / f"{name}.yaml", sand_file(name, Path(path).name, found, sand))
-    caption = "zeta of every measurement by its depth, with the interval of the repeats' mean."
+    caption = "zeta of the measurements by their depth, and of the sand."
     study.save("calibration", lambda: draw(found), caption)
     use = f"footopt --config-dir {study.folder} sand={name}"
     drawn = f"; or for how it differs from place to place: {use} study=robust study.scenarios=drawn"

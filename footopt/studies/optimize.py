@@ -28,7 +28,7 @@ from footopt.files import io as files
 from footopt.files.feet import write_all
 from footopt.foot import Foot
 from footopt.report import terminal
-from footopt.report.numbers import change, number, percent, quantity, title
+from footopt.report.numbers import change, counted, number, percent, quantity, title
 from footopt.report.output import foot_entry, report_generations
 from footopt.studies.build import make_problem, make_start
 from footopt.studies.effects import choose_effects
@@ -47,6 +47,7 @@ class Findings(NamedTuple):
     rank: str  # under how many laws, and at which zetas, it is better than the flat one; ends with a space
     to_print: Foot | None = None  # the foot that loses least under the worst law
     printed: tuple[str, ...] = ()  # that foot in two lines; in one if it is the best one
+    beaten: bool = False  # whether that foot is better than the best one by the run's own law
 
 
 def run(study: Study) -> Any:
@@ -72,13 +73,15 @@ def run(study: Study) -> Any:
         files.write_csv(study.folder / "designs.csv", result.columns)
     if study.wants_figures:
         _draw(study, result, int(confirmed.designs[0]), base)
-    notes = write_walk(study, walk, {"best": walk, "flat": flat})
+    notes = write_walk(study, walk, {_role(problem): walk, "flat": flat})
     if laws.to_print is not None:
         write_all(laws.to_print, study.folder, study.config.foot.block, "to_print")
+    remarks = [*_warnings(problem, values, base, laws), *terminal.describe_few(result)]
     record = study.write_result(
         {
             "design": foot_entry(best),
             **entry,
+            "remarks": remarks,
             **laws.entry,
             "gain_shares": gain_shares(values, base),
             **_search_entry(result, confirmed, options.finalists),
@@ -93,6 +96,8 @@ def run(study: Study) -> Any:
         page.write(study.folder / "report.html", shown | study.origin)
     write_film(study, walk)
     _tell(study, walk, entry, diagnostics, laws, result, confirmed, certificate)
+    for words in remarks:
+        terminal.warn(study.console, words)
     study.close("print contour.stl" if laws.to_print is None else "print to_print.stl")
     if result.interrupted:
         done, every = len(result.history), solver.generations(problem.space)
@@ -135,7 +140,8 @@ def _evaluated(study: Study, result: SearchResult, confirmed: Confirmation) -> F
         f"{gain}; loses at most {percent(worst)} to the best found for any law, the first {percent(of_best)}."
     )
     lines = (f"To print, chosen for all {len(laws)} laws: {terminal.describe_foot(foot)}", told)
-    return found._replace(entry=entry, to_print=foot, printed=lines)
+    beaten = bool(under.losses[0][chosen] < under.losses[0][0])
+    return found._replace(entry=entry, to_print=foot, printed=lines, beaten=beaten)
 
 
 def _at(zetas: tuple[float | None, float | None] | None, scene: Any) -> str:
@@ -155,7 +161,7 @@ def _tell(
     study: Study, walk: Walk, entry: dict[str, Any], diagnostics: Sequence[Diagnostic], laws: Findings,
     result: SearchResult, confirmed: Confirmation, certificate: Certificate | None,
 ) -> None:  # fmt: skip
-    """Print the answer, and warnings about it; everything else about it with study.details."""
+    """Print the answer, and what is outside the tested range; all about it with study.details."""
     values, base, errors = (entry[name] for name in ("objectives", "flat", "error_estimate"))
     problem, several = result.problem, result.problem.n_obj > 1
     sought = "efficiency" if several else problem.ranking_objective
@@ -163,7 +169,7 @@ def _tell(
     study.say(
         f"{which} for {terminal.describe_scene(walk.scene)}: {terminal.describe_foot(walk.foot)}",
         *([] if several else [terminal.headline(sought, values[sought], base[sought], laws.ranges)]),
-        terminal.objective_table("best", values, base, under=laws.ranges, told=sought),
+        terminal.objective_table(_role(problem), values, base, under=laws.ranges, told=sought),
         laws.rank + terminal.describe_errors(errors, values),
         _sentence(result, confirmed, certificate),
         *laws.printed,
@@ -173,15 +179,18 @@ def _tell(
             terminal.describe_search(result),
             terminal.describe_confirmation(confirmed),
             *([] if certificate is None else [str(certificate)]),
-            terminal.objective_table("best", values, base, errors),
+            terminal.objective_table(_role(problem), values, base, errors),
         )
         terminal.print_validity(study.console, diagnostics)
     elif outside := [d.name for d in diagnostics if d.outside]:
-        count = f"{len(outside)} warning{'s' if len(outside) > 1 else ''} ({', '.join(outside)})"
+        told = f"{counted(len(outside), 'warning')} ({', '.join(outside)})"
         where = "report.html" if study.wants_report else "study.details=true"
-        study.say(Text(f"{count}: see {where}.", style="yellow"))
-    for words in (*_warnings(problem, values, base), *terminal.describe_few(result)):
-        terminal.warn(study.console, words)
+        study.say(Text(f"{told}: see {where}.", style="yellow"))
+
+
+def _role(problem: FootProblem) -> str:
+    """What the answer is called: of several objectives a rule has chosen it."""
+    return "chosen" if problem.n_obj > 1 else "best"
 
 
 def _sentence(result: SearchResult, confirmed: Confirmation, certificate: Certificate | None) -> str:
@@ -193,15 +202,22 @@ def _sentence(result: SearchResult, confirmed: Confirmation, certificate: Certif
         told.append(f"another one was best before accuracy {confirmed.accuracy.name}")
     if result.stopped or result.interrupted:
         told.append(f"stopped {result.stopped}" if result.stopped else "interrupted")
-    return f"Search: {'; '.join([f'{result.designs:,} of {space.K}^{space.n} soles', *told])}."
+    searched, every = f"{result.designs:,} of {space.K}^{space.n} soles", result.solver.name == EXHAUSTIVE
+    if every and not result.interrupted:
+        searched = f"all {space.K}^{space.n} soles, of which {result.designs:,} stay in their box"
+    return f"Search: {'; '.join([searched, *told])}."
 
 
-def _warnings(problem: FootProblem, values: dict[str, float], base: dict[str, float]) -> list[str]:
-    """Warnings about the best design: it is no better than the flat sole, or breaks a limit."""
+def _warnings(
+    problem: FootProblem, values: dict[str, float], base: dict[str, float], laws: Findings
+) -> list[str]:
+    """Warnings about the best design: it is no better than another one, or breaks a limit."""
     said, by = [], problem.choice.by if problem.n_obj > 1 else problem.ranking_objective
     if by in MEASURES and MEASURES[by].sign * (values[by] - base[by]) >= 0.0:
         compared = f"{number(values[by])} against {number(base[by])}"
-        said.append(f"The flat sole is as good or better in {title(by)}: {compared}. Search longer.")
+        said.append(f"The flat sole is as good or better in {title(by)}: {compared}.")
+    if laws.beaten:
+        said.append(f"The foot to print has the better {title(by)} by the run's own law, too: search longer.")
     said += [f"{title(n)} has no number for the best foot." for n in problem.names if math.isnan(values[n])]
     limits = [(f"constraint.{name}", name, limit) for name, limit in problem.limits.items()]
     if problem.choice.by == "limits":
@@ -281,10 +297,10 @@ def _search_entry(result: SearchResult, confirmed: Confirmation, finalists: int)
 def _draw(study: Study, result: SearchResult, chosen: int, flat: dict[str, float]) -> None:
     """Draw how a search went, and the front that it found."""
     from footopt.report import figures  # matplotlib takes a second
-    from footopt.report.figures.walks import FRONT
 
     problem, several = result.problem, result.problem.n_obj > 1
-    if result.solver.name != EXHAUSTIVE:
+    best = [row.hypervolume if several else row.best for row in result.history]
+    if result.solver.name != EXHAUSTIVE and np.isfinite(best).sum() > 1:
         relative = not several and problem.ranking_objective == "efficiency" and flat["efficiency"] < 0.0
         base = flat["efficiency"] if relative else None
         study.save("convergence", figures.convergence(result, base))
@@ -292,7 +308,9 @@ def _draw(study: Study, result: SearchResult, chosen: int, flat: dict[str, float
         values = result.values[:, [problem.record.index(name) for name in problem.names]]
         front = values[result.shown]
         marks = {"chosen": values[chosen], "flat sole": [flat[name] for name in problem.names]}
-        drawn = figures.scatter_matrix({f"{len(front)} {FRONT}": front}, problem.names, marks)
+        drawn = figures.scatter_matrix(
+            {f"{counted(len(front), 'design')} on the front": front}, problem.names, marks
+        )
         study.save("scatter_matrix", drawn)
 
 

@@ -23,6 +23,7 @@ from footopt.files import io as files
 from footopt.files.feet import write_foot
 from footopt.foot import Foot
 from footopt.report import figures, terminal
+from footopt.report.numbers import title
 from footopt.report.output import Step, foot_entry, report_generations, scene_entry
 from footopt.studies import build
 from footopt.studies.runs import Study
@@ -167,7 +168,7 @@ def table(objective: str, feet: Sequence[str], regrets: Array) -> RichTable:
     shown = terminal.table(
         ("foot", *columns, "mean", "worst"),
         words=("foot",),
-        title=f"{objective.replace('_', ' ')} lost against the best specialist in each scenario (%)",
+        title=f"{title(objective)} lost against the best specialist in each scenario (%)",
     )
     for name, row in zip(feet, 100.0 * regrets, strict=True):
         numbers = (*row[: len(columns)], row.mean(), row.max())

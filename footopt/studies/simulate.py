@@ -26,6 +26,8 @@ from footopt.walk.checks import Diagnostic, diagnose
 from footopt.walk.resolution import error_of, resolution
 from footopt.walk.results import stance
 
+SHORTEST = 12  # samples of a contact that is drawn in six pictures
+
 
 def run(study: Study) -> Any:
     """Walk with one foot and leave everything about the walk; returns its values."""
@@ -128,7 +130,8 @@ def write_walk(study: Study, walk: Walk, walks: Mapping[str, Walk]) -> list[str]
         study.save("forces", figures.forces(walks))
         study.save("power_work", figures.power_work(walks))
         study.save("contour", figures.contour(walk.foot))
-        if stance(walk) is not None:  # a walker that stands takes no step
+        found = stance(walk)
+        if found is not None and found.last - found.first >= SHORTEST:  # who stands or falls takes no step
             study.save("step", figures.step(walk))
     return notes
 

@@ -239,6 +239,8 @@ def lacking(o: Objective, simulator: Simulator) -> str:
         if o.of == "raw":
             shape = np.shape(o.value({name: np.ones(1) for name in simulator.quantities}, simulator))
             check(shape == (1,), o.name, f"of shape {shape}", "of shape (designs,)")
+    except KeyError as why:
+        return f"the quantity {why}"
     except Exception as why:  # of a user's own, too
         return f"{type(why).__name__}: {why}"
     return "a trace" if o.of == "walk" and type(simulator).trace is Simulator.trace else ""

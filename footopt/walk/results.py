@@ -101,7 +101,7 @@ class Table:
         return frame.rename_axis("foot")
 
 
-LEAST_FORCE = 1.0  # N, vertical: above it a foot stands on the sand
+LEAST_LOAD = 1.0 / 600.0  # of the weight: with more a foot stands on the sand
 
 #: Names of feet by their number; of more of them the numbers.
 SIDES = {1: ("single",), 2: ("left", "right")}
@@ -301,7 +301,7 @@ def stance(walk: Walk, step: int = 0) -> Stance | None:
     if step >= len(strikes):
         return None
     strike, quarter = strikes[step], walk.scene.stride / 4.0
-    on = walk.force[:, foot, 1] > LEAST_FORCE
+    on = walk.force[:, foot, 1] > LEAST_LOAD * walk.scene.weight
     after = np.flatnonzero(on & (walk.t >= strike - 1e-9))
     if len(after) == 0:
         return None

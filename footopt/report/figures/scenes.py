@@ -66,8 +66,12 @@ def draw_contour(axes: Axes, foot: Foot) -> None:
         shape = "<->" if depth > 5.0 else "-"  # two heads need room
         arrow = {"arrowstyle": shape, "lw": 0.8, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 6}
         axes.annotate("", (MM * x, MM * high), (MM * x, MM * low), arrowprops=arrow)
-        # under the hull, where there is never a sole nor an ankle
-        axes.annotate(f"hollow {depth:.1f} mm", (MM * x, MM * low), (0, -8), **near, ha="center", va="top")
+        # below all of the hull, where there is never a sole nor an ankle
+        ends = np.quantile(foot.contour[:, 0], (0.25, 0.75))
+        side = ("left", "center", "right")[int(np.digitize(x, ends))]  # words stay within the axes
+        axes.annotate(
+            f"hollow {depth:.1f} mm", (MM * x, MM * hull[:, 1].min()), (0, -6), **near, ha=side, va="top"
+        )
     circles = ["circles: waypoints"] * (foot.k is not None)
     axes.set_title("; ".join([*circles, "dotted: lower hull" if depth >= HOLLOW else "no hollow"]))
     _label_axes(axes, 0.09, 0.06)  # for words

@@ -64,7 +64,10 @@ def calibration(found: Any) -> Figure:
     axes.set(xlabel="depth (mm)", ylabel=r"local $\zeta$: force over the map's", xlim=(0.0, None))
     ends = [*np.percentile(found.local, SHOWN), found.zeta.low, found.zeta.high]
     low, high = min(ends), max(ends)
-    axes.set_ylim(low - 0.2 * (high - low), high + 0.2 * (high - low))
+    low, high = low - 0.2 * (high - low), high + 0.2 * (high - low)
+    axes.set_ylim(low, high)
+    if outside := np.sum((found.local < low) | (found.local > high)):
+        axes.set_title(f"{outside} of {len(found.local)} outside of these axes", loc="right")
     axes.grid()
     style.legend_above(figure)
     return figure

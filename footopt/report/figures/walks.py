@@ -18,10 +18,9 @@ from footopt.walk.objectives import Objective, lookup
 from footopt.walk.results import stance, step_on_patch
 
 ROWS, COLUMNS = 2, 3  # of snapshots
-LONGEST = 0.07  # arrow, m
-MARGIN = 0.02  # around the soles and below the arrows, m
+LONGEST = 0.27  # arrow, of the length of a sole
+MARGIN = 0.077  # around the soles and below the arrows, of that length
 
-FRONT = "designs on the front"
 #: Designs that stand out among the others.
 MARKS: dict[str, dict[str, Any]] = {
     "chosen": {"marker": "*", "ms": 11, "mfc": style.BEST, "color": style.BEST, "zorder": 6},
@@ -118,6 +117,7 @@ def step(walk: Walk) -> Figure:
     assert contact is not None
     foot, begin, end = contact.foot, walk.t[contact.first], walk.t[contact.last]
     times = np.linspace(begin, end, 2 * ROWS * COLUMNS + 1)[1::2]  # at its ends a contact carries no force
+    longest, margin = np.multiply((LONGEST, MARGIN), np.ptp(walk.foot.contour[:, 0]))
     stage = Stage(walk, walk.t[np.searchsorted(walk.t, times)])
     largest = float(np.linalg.norm(stage.force[:, foot], axis=-1).max())
     sole = stage.outline[:, foot].reshape(-1, 2)
@@ -126,10 +126,10 @@ def step(walk: Walk) -> Figure:
     figure.set_layout_engine("constrained", hspace=0.0)
     grid = figure.subplots(ROWS, COLUMNS, sharex=True, sharey=True)
     for i, axes in enumerate(grid.flat):
-        axes.set(xlim=(left - MARGIN, right + MARGIN), aspect="equal")
-        axes.set(ylim=(low - LONGEST - MARGIN, max(high, 0.0) + 2 * MARGIN))
+        axes.set(xlim=(left - margin, right + margin), aspect="equal")
+        axes.set(ylim=(low - longest - margin, max(high, 0.0) + 2 * margin))
         draw_ground(axes, stage.ground, words=axes is grid[0, -1])
-        arrows = stage.draw_feet(axes, i, largest / LONGEST, foot, close=True)
+        arrows = stage.draw_feet(axes, i, largest / longest, foot, close=True)
         if i == 0:
             draw_key(axes, arrows, 0.8 * largest)
         axes.text(0.02, 0.98, f"{stage.t[i] - begin:.2f} s", va="top", transform=axes.transAxes)

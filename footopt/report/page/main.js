@@ -50,7 +50,7 @@ function bars(i, width) {
   }).sort((a, b) => sought.includes(b.column.name) - sought.includes(a.column.name));
   const reach = ({ share, error, under }) => [share, ...(Number.isFinite(error) ? [share - error, share + error] : []), ...under.map((u) => u.share)];
   const [low, high] = range([-0.005, 0.005, ...rows.flatMap(reach)].map((v) => clip(v, -1, 2)), 0); // 1 % at least
-  const left = 70, right = 66, tall = 49, X = (v) => left + ((clip(v, low, high) - low) / (high - low || 1)) * (width - left - right);
+  const left = 78, right = 78, tall = 49, X = (v) => left + ((clip(v, low, high) - low) / (high - low || 1)) * (width - left - right);
   const made = svg("svg", { id: "bars", viewBox: `0 0 ${width} ${rows.length * tall + 4}`, height: rows.length * tall + 4, role: "img",
     "aria-label": `Change against the flat foot: ${rows.map((row) => `${row.column.title} ${change(row.value, row.base, row.column)}`).join(", ")}` });
   rows.forEach(({ column, value, base, share, error, under, better }, r) => {

@@ -78,6 +78,13 @@ function instant(walk, t) {
 }
 
 const size = ([x, z]) => Math.hypot(x, z);
+const largest = (values) => values.reduce((a, b) => Math.max(a, Math.abs(b)), 1e-12);
+
+/** Lengths of a walk's legs and soles over those of the paper's walker, for which the pictures are framed. */
+function sizes(walk) {
+  const { leg } = pose(walk, walk.t[0])[0], [low, high] = range(walk.points.map(([x]) => x), 0);
+  return { legs: leg.slice(1).reduce((sum, [x, z], i) => sum + size([x - leg[i][0], z - leg[i][1]]), 0) / 0.92, sole: (high - low) / 0.26 };
+}
 
 /** The force of a whole foot and where it acts: the mean of its parts' places by their forces. */
 function resultant(forces) {
@@ -100,7 +107,7 @@ const GAP = [NaN, NaN];
 
 /** Sand with its strips and its surface, gravity and the key of arrows: [class, points (m), style] from behind to the front, and [x, z, text, anchor]. */
 function groundPicture({ left, right, low, high, unit, metres, newtons, close }) {
-  const { strips, gravity } = data.ground, words = [["key", left + metres * newtons + 2 * unit, low + 1.5 * unit, `${newtons} N`]];
+  const { strips, gravity } = data.ground, words = [["key", left + metres * newtons + 2 * unit, low + 1.5 * unit, `${number(newtons)} N`]];
   const box = (a, b, c, d) => [[a, c], [a, d], [b, d], [b, c]], shapes = [["sand", box(left, right, low, 0)]];
   for (const { kind, begin, end, top: upper, bottom, colour, text } of strips) {
     const a = Math.max(begin, left), b = Math.min(end, right), c = Math.max(bottom, low);
@@ -143,9 +150,9 @@ function stage(holder, walk, { close = false, x, z, label, other = null, fixed =
   const height = Math.min(tall, (width / (x[1] - x[0])) * (z[1] - z[0]) + (close ? 0 : 60)), above = height - axis;
   const scale = Math.min(width / (x[1] - x[0]), above / (z[1] - z[0])), half = width / 2 / scale;
   redrawn(holder, [["svg", { viewBox: `0 0 ${width} ${height}`, height, role: "img", "aria-label": label }]]);
-  const forces = close ? pairs(walk.arrows).map(size) : Array.from(walk.force, Math.abs), largest = forces.reduce((a, b) => Math.max(a, b), 1);
-  const metres = (close ? 0.85 * (deepest(walk) - z[0]) : 0.35 * (z[1] - z[0])) / largest, round = 10 ** Math.floor(Math.log10(0.8 * largest));
-  const newtons = [5, 2, 1].find((m) => m * round <= 0.8 * largest) * round;
+  const most = largest(close ? pairs(walk.arrows).map(size) : Array.from(walk.force));
+  const metres = (close ? 0.85 * (deepest(walk) - z[0]) : 0.35 * (z[1] - z[0])) / most, round = 10 ** Math.floor(Math.log10(0.8 * most));
+  const newtons = [5, 2, 1].find((m) => m * round <= 0.8 * most) * round;
   return (t) => {
     const now = instant(walk, t), middle = fixed?.x ?? (close ? now.com[0] : 0.5 * (x[0] + x[1]));
     const view = { left: middle - half, right: middle + half, low: z[0], high: z[0] + above / scale, unit: 6 / scale, metres, newtons, close };

@@ -112,6 +112,7 @@ function widthOf(holder) {
 
 /** A scale: the share of an axis at which a value is, the value at a share, and round values with their texts. */
 function evenScale([low, high], count) {
+  if (high - low < 1e-9 * Math.abs(high)) high = low; // rounding
   const marks = ticks(low, high, count);
   return { to: (v) => (high > low ? (v - low) / (high - low) : 0.5), from: (share) => low + share * (high - low),
     marks: high > low ? marks.values.map((v) => [v, tickText(v, marks)]) : [[low, number(low)]] };

@@ -98,14 +98,14 @@ function walkSection() {
       : walk.reason ? `This walk failed: ${walk.reason}${failed ? ", at once" : `, at ${number(walk.t.at(-1))} s`}.` : sensitivity(state.chosen);
     picture.hidden = failed;
     if (failed) { stop(); return; }
-    const com = pairs(walk.com), low = deepest(walk) - 0.05, x = range(com.map((p) => p[0]), 0);
+    const com = pairs(walk.com), { legs } = sizes(walk), low = deepest(walk) - 0.05 * legs, x = range(com.map((p) => p[0]), 0);
     const found = others.get(compare.value)?.(), other = found && found !== walk && found.t.length > 1 && !(found === flatWalk() && isFlat(walk.points)) ? found : null;
     key.replaceChildren(legend([...SIDES.map((side, i) => ({ name: `${side} foot`, ...LINES[i] })), ...(other ? [{ name: other.label, ...PALE }] : [])]));
     const shared = { other };
     state.movers = [
-      stage(whole, walk, { ...shared, x: [x[0] - 0.55, x[1] + 0.55], z: [Math.min(low, -0.16), Math.max(...com.map((p) => p[1])) + 0.12],
+      stage(whole, walk, { ...shared, x: [x[0] - 0.55 * legs, x[1] + 0.55 * legs], z: [Math.min(low, -0.16 * legs), Math.max(...com.map((p) => p[1])) + 0.12 * legs],
         label: "Stick figure of the walker at one instant" }),
-      stage(near, walk, { ...shared, close: true, x: [-0.36, 0.36], z: [low - Math.max(0.04, 0.2 * (0.24 - low)), 0.24],
+      stage(near, walk, { ...shared, close: true, x: [-0.36 * legs, 0.36 * legs], z: [low - Math.max(0.04 * legs, 0.2 * (0.24 * legs - low)), 0.24 * legs],
         label: "Close-up of both soles in the sand with the forces on them" }),
       ...plots.map((plot, i) => tracePlot(plot, PLOTS[i], walk, other, (t) => { stop(); move(t); })),
     ];
@@ -121,9 +121,10 @@ function walkSection() {
     scrubber.setAttribute("aria-valuetext", clock.textContent);
     const get = (name, width) => at(state.walk, name, width, state.t);
     const com = get("com", 2), v = get("velocity", 2), f = get("force", 2 * SIDES.length), p = get("power", SIDES.length), w = get("work", SIDES.length);
+    const digits = clip(3 - Math.floor(Math.log10(largest(Array.from(state.walk.force)))), 1, 6); // of forces, powers and works
     numbers.replaceChildren(table(["at this instant", "x (m)", "z (m)", "Vx (m/s)", "Vz (m/s)", "forward force (N)", "vertical force (N)", "power (W)", "work (J)"], [
       ["centre of mass (COM)", com[0].toFixed(3), com[1].toFixed(3), v[0].toFixed(3), v[1].toFixed(3), "", "", "", ""],
-      ...SIDES.map((side, i) => [`${side} foot`, "", "", "", "", f[2 * i].toFixed(0), f[2 * i + 1].toFixed(0), p[i].toFixed(1), w[i].toFixed(1)]),
+      ...SIDES.map((side, i) => [`${side} foot`, "", "", "", "", ...[f[2 * i], f[2 * i + 1], p[i], w[i]].map((v) => v.toFixed(digits))]),
     ].map((row) => row.map((text) => text.replace(/^-(0(\.0*)?)$/, "$1").replace(/^-/, "−")))));
   }
   function start() {
@@ -184,9 +185,9 @@ function stepLoop() {
     const flat = flatWalk(), other = flat && !isFlat(walk.points) && flat.t.at(-1) > begin + 0.3 * stride ? flat : null;
     beside.textContent = other ? "; dashed: the flat foot in step." : ".";
     const low = deepest(walk, begin - 0.06 * stride, begin + 0.66 * stride);
-    const foot = (w) => pose(w, begin + 0.25 * stride)[side].leg[2][0];
-    state.mover = stage(holder, walk, { close: true, other, tall: 300, x: [-0.26, 0.26], z: [low - Math.max(0.07, 0.3 * (0.13 - low)), 0.13],
-      fixed: { x: foot(walk) + 0.03, shift: other ? foot(walk) - foot(other) : 0 }, label: `One step of the ${SIDES[side]} foot in the sand, with the forces on its sole` });
+    const { sole } = sizes(walk), foot = (w) => pose(w, begin + 0.25 * stride)[side].leg[2][0];
+    state.mover = stage(holder, walk, { close: true, other, tall: 300, x: [-0.26 * sole, 0.26 * sole], z: [low - Math.max(0.07 * sole, 0.3 * (0.13 * sole - low)), 0.13 * sole],
+      fixed: { x: foot(walk) + 0.03 * sole, shift: other ? foot(walk) - foot(other) : 0 }, label: `One step of the ${SIDES[side]} foot in the sand, with the forces on its sole` });
     state.mover(state.t);
     run();
   }

@@ -19,7 +19,7 @@ from footopt.report.numbers import title
 from footopt.report.page.file import column, packed
 from footopt.report.stage import ARROWS, forces_along, ground, groups
 from footopt.report.style import sides
-from footopt.report.terminal import describe_confirmation, describe_few, describe_scene, describe_search
+from footopt.report.terminal import describe_confirmation, describe_scene, describe_search
 from footopt.sand.law import EARTH, PER_CM3
 from footopt.walk import MEASURES, Accuracy, Scene, Walk, discretize, newton
 from footopt.walk.accuracy import AnyAccuracy
@@ -53,6 +53,7 @@ def walk_content(walk: Walk, entry: dict[str, Any], flat: Walk | None = None) ->
         **_common(entry, walk, tuple(values), walk.accuracy, foot),
         "title": f"A walk on {place(walk.world)}{f': {name}' * (not given)}",
         "headline": [describe_scene(walk.scene)],
+        "warnings": [] if walk.feasible else [f"The walk failed: {walk.reason}."],
         "space": space and spline(space),
         "top": foot.top,
         "designs": {
@@ -77,7 +78,7 @@ def search_content(
     """
     problem, chosen, several = result.problem, int(confirmed.designs[0]), result.problem.n_obj > 1
     exact = result.solver.name == EXHAUSTIVE
-    search, few, printed = describe_search(result), describe_few(result), []
+    search, printed = describe_search(result), []
     finely: list[float] | None = None
     if entry.get("to_print"):
         k = np.array([entry["to_print"]["k"]])
@@ -100,7 +101,7 @@ def search_content(
             *([certificate["says"]] if certificate else []),
             *([f"{len(rows)} of the designs are on this page"] if len(rows) < result.designs else []),
         ],
-        "warnings": few,
+        "warnings": entry["remarks"],
         "ranking_objective": problem.names[0],
         "choice": problem.choice.by if several else "best",
         "objectives": list(problem.names),

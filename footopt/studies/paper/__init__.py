@@ -28,7 +28,7 @@ from footopt.studies.build import check_searchable
 from footopt.studies.paper.walks import SANDS, changes, evidence, switch_losses
 from footopt.studies.runs import Study
 from footopt.walk import FIVE, OBJECTIVES, Walk, simulate
-from footopt.walk.results import LEAST_FORCE, stance
+from footopt.walk.results import LEAST_LOAD, stance
 
 Entry = Mapping[str, Any]
 VERDICTS = ("holds", "does not hold", "depends on a choice", "undecided")
@@ -44,7 +44,7 @@ LIMITS = {
     "normal_speed": 1.0,  # m/s (the paper: "around 1 m/s")
     "not_obvious": 0.2,  # how far curves may part that a reader sees as one, over their own rms
     "push_off": 0.27,  # s after touch-down, when push-off begins (the paper)
-    "contact": LEAST_FORCE,  # N, vertical force above which a foot is in contact
+    "contact": LEAST_LOAD,  # vertical force over the weight above which a foot is in contact
 }
 
 INSTANTS = 1000  # of a curve
@@ -183,7 +183,7 @@ def of_traces(walk: Walk) -> dict[str, Any]:
         "mean_speed": mean(walk.velocity[late, 0]),
         "time_to_speed": float(walk.t[fast[0]]) if len(fast) else walk.scene.duration,
         "work_after_three_steps": abs(float(np.interp(three_steps, walk.t, walk.work.sum(axis=1)))),
-        "contact_share": mean((walk.force[late, :, 1] > LIMITS["contact"]).mean(axis=1)),
+        "contact_share": mean((walk.force[late, :, 1] > LIMITS["contact"] * walk.scene.weight).mean(axis=1)),
         "mean_drag_forwards": mean(np.maximum(drag, 0.0).sum(axis=1)),
         "mean_drag_backwards": mean(np.maximum(-drag, 0.0).sum(axis=1)),
         "peak_drag_forwards": float(drag.max()),
