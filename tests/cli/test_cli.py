@@ -77,6 +77,15 @@ def test_the_foot_of_a_run_walks_in_its_world_but_for_what_is_given(tmp_path):
     assert result["design"]["width_m"] == 0.08
 
 
+def test_where_all_soles_are_walked_with_it_is_said_what_the_answer_is_worth_and_not_to_search_on(tmp_path):
+    words = ["foot.n=4", "foot.K=1", "accuracy=draft", "study.confirm=null"]  # no sole but the flat one
+    done = footopt(*words, "hydra.run.dir=one", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    (remark,) = json.loads((tmp_path / "one" / "result.json").read_text())["remarks"]
+    assert "flat sole is as good" in remark
+    assert not (tmp_path / "one" / "figures" / "convergence.png").exists()  # of one generation
+
+
 def test_a_walk_that_sinks_is_a_result_with_a_reason(tmp_path):
     done = footopt("study=simulate", "sand.zeta=0.001", "accuracy=draft", "report=light", cwd=tmp_path)
     assert done.returncode == 1

@@ -93,6 +93,13 @@ def test_launchers_compose(launcher):
     assert launcher.partition("_")[0] in found.hydra.launcher._target_
 
 
+def test_a_number_in_place_of_a_name_is_refused_as_in_a_single_run(tmp_path):
+    done = footopt("-m", *WALK, "sand=soft,0.01", cwd=tmp_path)
+    assert done.returncode == 1
+    assert "sand.zeta=0.01" in done.stderr
+    assert "Warning" not in done.stderr
+
+
 @pytest.mark.slow
 def test_a_sweep_over_seeds_has_a_row_each_and_one_picture_of_all_fronts(tmp_path):
     words = ["accuracy=draft", "report=none", "foot.n=5", "solver.pop_size=8", "solver.n_gen=2"]

@@ -16,6 +16,7 @@ from footopt.walk import STEPPERS, own_code
 from footopt.walk.accuracy import TOLERANCES
 from footopt.walk.checks import energy_gap
 from footopt.walk.loop import walk_designs
+from footopt.walk.results import stance
 
 ORDERS = {
     "explicit_euler": 1,
@@ -135,6 +136,7 @@ class TestSymmetriesOfTheWalk:
         np.testing.assert_array_equal(big.t, small.t * s**0.5)
         np.testing.assert_allclose(big.com, small.com * s, rtol=1e-10)
         np.testing.assert_allclose(big.force, small.force * s**3, rtol=1e-10)
+        assert stance(big) == stance(small)
         assert big.objectives["efficiency"] * s**6 == pytest.approx(small.objectives["efficiency"], rel=1e-10)
 
     def test_mass_and_stiffness_together_set_only_the_scale_of_forces(self, ramp_foot):
