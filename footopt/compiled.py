@@ -21,8 +21,8 @@ from numba.extending import overload, register_jitable
 
 log = logging.getLogger("footopt")
 
-SOURCES = ("sand", "effects", "foot", "gait", "walk", "mujoco")  # what walks are made of, with this file
-_choosing = threading.Lock()  # numba has one setting for where it keeps code
+SOURCES = ("sand", "effects", "foot", "gait", "walk", "mujoco")  # with this file, they determine a walk
+_lock = threading.Lock()  # numba has one folder for all caches, which `_Cache` changes for a moment
 
 #: Assumptions about floating-point numbers in the loop over plates: sums may be reordered, so that
 #: the loop is vectorised. NaN and infinity may not be assumed away: a walk that diverges must be seen.
@@ -32,20 +32,20 @@ FAST = {"contract", "reassoc", "arcp", "nsz"}
 #: taken from another compilation of the same source, which rounds otherwise. A walk then differed in its
 #: last bits between the process that compiled it and those that load it from the cache on disk.
 #:
-#: From Python they are Python: they have no entry of their own there, which is a third of the compiling.
+#: Called from Python, they run as plain Python: compiled entries would take a third of the compile time.
 INLINE = {"error_model": "numpy", "forceinline": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 inlined = register_jitable(**INLINE)
 inlined_fast = register_jitable(fastmath=FAST, **INLINE)
-#: A function that is called rounds alike anywhere. One that makes no array needs none counted either, which
-#: takes a fifth of a robot's walk.
+#: For functions that are called, not inlined, and therefore round the same everywhere. They create no arrays,
+#: so they do without reference counts, which take a fifth of a robot's walk.
 called_fast = register_jitable(fastmath=FAST, _nrt=False, **{**INLINE, "forceinline": False})
 
 
 class Wide(Compiler):
-    """numba's compiler with whole registers of AVX-512, of which LLVM by itself fills half: walks take .8."""
+    """numba's compiler with 512-bit registers, where LLVM prefers 256: walks take 0.8 of the time."""
 
     def compile_extra(self, func: Any) -> Any:
-        """Compile, with passes for another target than numba's, which then emits what they have made."""
+        """Compile with LLVM's passes for the wide target; numba's own target emits their code."""
         codegen = self.state.targetctx.codegen()
         usual, codegen._tm = codegen._tm, _wide() or codegen._tm
         try:
@@ -56,7 +56,7 @@ class Wide(Compiler):
 
 @cache
 def _wide() -> Any:
-    """LLVM's target for whole registers of AVX-512; None where there are none."""
+    """LLVM's target with 512-bit registers; None if the processor has no AVX-512."""
     _, name, features = cpu_target.target_context.codegen().magic_tuple()
     if "+avx512f" not in features:
         return None
@@ -65,15 +65,15 @@ def _wide() -> Any:
 
 
 def wide_njit(**options: Any) -> Any:
-    """`numba.njit`, with whole registers."""
+    """`numba.njit` with the compiler `Wide`."""
     return njit(pipeline_class=Wide, **options)
 
 
 def unless_none(function: Callable[..., Any], **options: Any) -> Callable[..., Any]:
-    """A function, compiled inline, that is None wherever its first argument is None.
+    """An inlined function that returns None where its first argument is None.
 
-    numba leaves out a branch on None where there is None, not where there is something else: the result of a
-    function with such a branch may then be None, and what comes of it is not vectorised.
+    numba removes a branch ``if x is None`` only where x is None. Elsewhere the result of the function would
+    have an optional type, and loops that use it would not be vectorised.
     """
 
     def given(*arguments: Any) -> Any:
@@ -87,17 +87,18 @@ def unless_none(function: Callable[..., Any], **options: Any) -> Callable[..., A
 
 
 def sources() -> list[Path]:
-    """The files that walks are made of."""
+    """The source files that determine a walk."""
     rooms = (Path(__file__).parent / name for name in SOURCES)
     return [Path(__file__), *sorted(path for room in rooms for path in room.rglob("*.py"))]
 
 
 @cache
 def cache_folder() -> str | None:
-    """Where compiled code is kept: a folder of the user alone for these sources; None if it has no place.
+    """The folder for compiled code of these sources, readable by the user only; None if it cannot be made.
 
-    numba looks at the file that a function is in; what that imports is compiled into it, too. The times of
-    files count, as they do for numba: in one folder no file is ever given to another signature.
+    numba's own cache key is the file of a function, but functions imported from other files are compiled into
+    it. File times are part of the folder's name, as they are of numba's key: numba then never resets an index
+    in this folder, so that no file is reused for another signature.
     """
     digest = hashlib.sha256(f"{numba.__version__} {llvmlite.__version__}".encode())
     for path in sources():
@@ -119,7 +120,7 @@ class _Cache(FunctionCache):
     """
 
     def __init__(self, function: Callable[..., Any]) -> None:
-        with _choosing:
+        with _lock:
             before, config.CACHE_DIR = config.CACHE_DIR, cache_folder()
             try:
                 super().__init__(function)
@@ -127,7 +128,7 @@ class _Cache(FunctionCache):
                 config.CACHE_DIR = before
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """Load what is there, without numba's registries, which are only needed (and loaded) to compile."""
+        """Load compiled code without numba's registries, which only compiling needs (and which are slow)."""
         rtsys.initialize(target_context)
         with self._guard_against_spurious_io_errors():
             return self._load_overload(sig, target_context)
@@ -139,7 +140,7 @@ class _Cache(FunctionCache):
 
 
 def kept(compiled: Any) -> Any:
-    """A function of numba's that is still to be compiled; it keeps what it is compiled to on disk."""
+    """A function of numba's that is still to be compiled, with footopt's cache on disk."""
     if cache_folder() and not config.DISABLE_JIT:
         compiled._cache = _Cache(compiled.__wrapped__)
     return compiled
@@ -152,7 +153,7 @@ def cached_njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
 
 @cache
 def target() -> dict[str, str]:
-    """What numba compiles for: only where all of it is the same are results the same, bit for bit."""
+    """The machine that numba compiles for: results are bit-identical only where all of these are equal."""
     system, processor, features = cpu_target.target_context.codegen().magic_tuple()
     digest = hashlib.sha256(features.encode()).hexdigest()
     return {"system": system, "processor": processor, "features": digest}

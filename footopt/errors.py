@@ -1,4 +1,4 @@
-"""Errors that a user can mend: each names the setting, its value, what is allowed and what to try."""
+"""Errors that a user can fix: each names the setting, its value, what is allowed and what to try."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -43,7 +43,7 @@ class FileError(FootoptError, OSError):
 
 
 class Unusable(ValueError):
-    """Why the content of a file cannot be used; `naming` says of which file."""
+    """The content of a file cannot be used; `naming` adds the name of the file."""
 
 
 class EngineError(FootoptError):
@@ -55,7 +55,7 @@ class MissingError(FootoptError, ImportError):
 
 
 def needed(library: str, what: str, extra: str) -> Any:
-    """Import a library that `what` needs; without it, say which extra of footopt brings it."""
+    """Import a library that `what` needs; if it is missing, say which extra of footopt installs it."""
     try:
         return import_module(library)
     except ImportError as error:
@@ -86,13 +86,13 @@ def check_whole(value: Any, setting: str, least: int, most: int, hint: str = "")
 
 
 def check_free(name: str, taken: Any, new: Any) -> None:
-    """Raise `SettingError` if a plugin gives something of its own the name of what footopt has."""
-    own = getattr(taken, "__module__", "").startswith("footopt.") and taken.__module__ != new.__module__
-    check(not own, "plugins", name, "of another name", "footopt has one of this name.")
+    """Raise `SettingError` if a plugin registers `new` under a name that footopt has `taken`."""
+    builtin = getattr(taken, "__module__", "").startswith("footopt.") and taken.__module__ != new.__module__
+    check(not builtin, "plugins", name, "of another name", "footopt has one of this name.")
 
 
 def check_kind(value: object, kind: type, setting: str, hint: str) -> None:
-    """Raise `SettingError` unless `value` is a `kind`: what is only used later would fail far from here."""
+    """Raise `SettingError` unless `value` is a `kind`: otherwise it would fail later, and elsewhere."""
     check(isinstance(value, kind), setting, value, f"of type {kind.__name__}", hint)
 
 

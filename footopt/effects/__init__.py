@@ -1,4 +1,4 @@
-"""Effects beyond the plain law, one file each; a new file in this folder is found by itself.
+"""Effects beyond the plain law, one file each; a new file in this folder is imported automatically.
 
 They act in the order of `EFFECTS`, footopt's own first: layers give a depth that patches multiply.
 """

@@ -8,13 +8,13 @@ with one or more of three methods, which are compiled into the loop over plates:
   effects before it (the plain law's is the depth itself), at a depth (m) and a place (m).
 - ``gate(self, lead, depth)``: the share of the stress that a plate feels, from how far it leads: n.v over
   the speeds along the normal within the plate; where the scene has bristles, n.h over
-  `footopt.walk.contact.EDGE`, of robots `footopt.mujoco.faces.EDGE`. It leads as a whole from 1 on, and
-  trails from -1 on.
+  `footopt.walk.contact.EDGE`, of robots `footopt.mujoco.faces.EDGE`. At 1 and above, the whole plate leads;
+  at -1 and below, it trails.
 - ``push(self, vn, depth)``: a pressure against the outward normal, Pa, at a speed n.v along it, m/s.
 
-The force on a plate of area dA is then zeta load share (a - M h) dA - push n dA. Their arguments
-are numbers with their derivatives (`footopt.effects.dual`), so that they give theirs: write them with + - * /
-and that module's functions. A new effect is a file beside this one, or a user's own: a law, and a dataclass
+The force on a plate of area dA is then zeta load share (a - M h) dA - push n dA. The arguments of the
+methods are dual numbers (`footopt.effects.dual`), which carry derivatives: write a law with + - * / and the
+functions of that module. A new effect is a file beside this one, or a user's own: a law, and a dataclass
 with a name by which settings find it, ``class Mine(Effect, name="mine")``. Every parameter has a default, and
 a numpydoc section *Parameters* is its help. A push is called for plates in the air, too, and has to be 0 at a
 depth of 0 and continuous in n.v, which is about 1e-4 m/s for a walker that stands.
@@ -37,8 +37,8 @@ from footopt.errors import SettingError, check, check_free
 
 Reshape = Callable[[Array], Array]  # of soles (designs, points, 2), m
 
-MOST = 100  # layers, or patches: a walk looks at each
-FEW = 8  # numbers of a law's list that are compiled one by one, so that the loop over plates is vectorised
+MOST = 100  # layers, or patches: every plate evaluates each of them
+FEW = 8  # longest list of numbers whose loop is unrolled, so that the loop over plates is vectorised
 HOOKS = ("load", "gate", "push")  # of a law
 BRISTLE_LENGTH = 1e-6  # m: the delta of bristles where none is given
 
@@ -66,19 +66,19 @@ EFFECTS: dict[str, type[Any]] = {}
 
 
 class Effect:
-    """A walk's questions to an effect; the answers here are those of an effect that changes nothing.
+    """What a walk asks of an effect; the answers here are those of an effect that changes nothing.
 
-    ``literature`` says whether its default parameters are of sand in general: `effects=auto` tries those.
+    ``literature`` says whether its default parameters hold for sand in general: `effects=auto` tries those.
     """
 
     literature = False
-    plausible = False  # whether it is uncertain for any walk: answers are checked with it and without it
-    is_inertia = False  # whether its push is what the sand's momentum takes
-    in_page = False  # whether the walk in a run's page has it, too (`contact.js`)
+    plausible = False  # whether it may hold for any walk: best feet are evaluated with it and without it
+    is_inertia = False  # whether its push is due to the momentum of the sand
+    in_page = False  # whether the simulation in report.html has it, too (`contact.js`)
 
     law: Any = None  # its numbers as a NamedTuple with the methods that are compiled; None without any
-    bristle_length: Any = None  # m, over which the sand under a plate gives way elastically; None: not so
-    #: Where on the way and how deep the sand is another: from and to, m, and how many times as strong, each.
+    bristle_length: Any = None  # m, over which the sand under a plate yields elastically; None: it does not
+    #: Stretches of x, and of depth, with another sand: begin and end, m, and its zeta over that of the scene.
     zones: Any = ()
     strata: Any = ()
 
@@ -175,7 +175,7 @@ def laws(effects: Sequence[Effect]) -> Laws:
 
 
 def _over(hook: str, none: Callable[..., Any], join: Callable[..., Any]) -> Callable[..., Any]:
-    """A function that goes through a tuple of laws (or None) and joins what their hooks make of two numbers.
+    """A function that calls a hook of each law in a tuple (or None) with two numbers, and joins the results.
 
     In compiled code the hooks are found by the laws' types when it is compiled.
     """

@@ -1,4 +1,4 @@
-"""Dual numbers: a value with its derivatives by the hip's velocity, so that no law is derived by hand.
+"""Dual numbers: a value with its derivatives by the hip's velocity, so that no law is differentiated by hand.
 
 `Dual` knows + - * / with itself and with plain numbers, compiled and in Python. The functions below take
 plain numbers, arrays and dual numbers; with plain numbers nothing of the derivatives is computed.
@@ -21,7 +21,7 @@ DERIVATIVE = INLINE | {"fastmath": FAST | {"nnan"}}
 
 
 class Dual(NamedTuple):
-    """A value and its derivatives by V_x and V_z (where the law is asked for others, by those)."""
+    """A value and its derivatives by V_x and V_z (or by two other variables of the caller's choice)."""
 
     value: Any
     dx: Any
@@ -46,7 +46,7 @@ def _dual(stage, number, dx, dz):
 
 
 def _by_kind(of_dual: Any, of_number: Any, options: Any = VALUE) -> Any:
-    """A function that is one thing of a `Dual` and another of any other number, compiled and in Python."""
+    """A function with one definition for a `Dual` and one for any other number, compiled and in Python."""
 
     def given(x, *rest):
         return of_dual(x, *rest) if isinstance(x, Dual) else of_number(x, *rest)
@@ -55,7 +55,7 @@ def _by_kind(of_dual: Any, of_number: Any, options: Any = VALUE) -> Any:
     return given
 
 
-#: value(x): of a number, whatever it is.
+#: value(x): the value of a `Dual`; a plain number as it is.
 value = _by_kind(lambda x: x.value, lambda x: x)
 #: lift(x): a number as a `Dual`; a plain one is a constant.
 lift = _by_kind(lambda x: x, lambda x: Dual(x, 0.0, 0.0))
@@ -71,7 +71,7 @@ def combined(a, da, b, db):
 
 @register_jitable(**DERIVATIVE)
 def placed(stage, number, by_x, by_z):
-    """A number with its derivatives by the hip's place, which follows its velocity: by `stage`, s."""
+    """A number with its derivatives by the hip's place, which changes by `stage`, s, times its velocity."""
     follows = 0.0 if stage is None else stage
     return dual(stage, number, follows * by_x, follows * by_z)
 
@@ -100,7 +100,7 @@ def _divide(a, b):
 
 
 def _offer(symbol: Callable[..., Any], rule: Callable[..., Any]) -> None:
-    """Have an operator follow a rule where one of its operands is a `Dual`, compiled and in Python."""
+    """Define an operator by a rule where one of its operands is a `Dual`, compiled and in Python."""
 
     def resolve(a, b):
         return rule if is_dual(a) or is_dual(b) else None

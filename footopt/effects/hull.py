@@ -29,7 +29,7 @@ def filled(points, effective):
                 if (x[b] - x[a]) * (z[i] - z[a]) - (z[b] - z[a]) * (x[i] - x[a]) > 0.0:
                     break
                 size -= 1
-            if size == 0 or x[i] > x[hull[size - 1]]:  # what stands above a corner is no floor
+            if size == 0 or x[i] > x[hull[size - 1]]:  # a point straight above a corner is not on the hull
                 hull[size] = i
                 size += 1
         right, margin = 0, 1e-9 * (x[hull[size - 1]] - x[hull[0]])
@@ -41,6 +41,6 @@ def filled(points, effective):
             a, b = hull[max(right - 1, 0)], hull[right]
             part = (x[i] - x[a]) / (x[b] - x[a]) if x[i] < x[b] else 1.0
             gap = z[i] - z[a] - part * (z[b] - z[a])
-            if gap > 1e-12:  # a convex sole keeps its last bit
+            if gap > 1e-12:  # a convex sole stays the same to the last bit
                 out[d, i, 1] = z[i] - (1.0 - effective) * gap
     return out

@@ -9,7 +9,7 @@ from footopt.errors import check
 
 
 class InertiaLaw(NamedTuple):
-    """lambda rho, kg/m^3, and the depth from which on a plate throws all of it aside, m."""
+    """lambda rho, kg/m^3, and the depth at which the traction reaches its full value, m."""
 
     density: float
     skin: float
@@ -35,8 +35,8 @@ class Inertia(Effect, name="inertia"):
     rho : float, kg/m^3
         Bulk density of the sand (quartz sand about 1600).
     skin : float, m
-        Depth from which on a plate throws all of it aside, and in proportion above it, so that no plate meets
-        a jump. Numerical: of a small walker smaller, in proportion to its size.
+        Depth below which the full traction acts; above it the traction is proportional to the depth, so that
+        there is no jump at the surface. A numerical parameter: scale it with the size of a small walker.
 
     Raises
     ------

@@ -40,7 +40,7 @@ class Layers(Effect, name="layers"):
     depths : tuple of float, m
         Interfaces below the surface, increasing.
     factors : tuple of float
-        zeta of the layer under each interface over that of the sand.
+        zeta of the layer under each interface, divided by the sand's.
 
     Raises
     ------
@@ -67,5 +67,5 @@ class Layers(Effect, name="layers"):
 
     @property
     def strata(self) -> tuple[tuple[float, float, float], ...]:
-        """Each layer below the first."""
+        """Each layer below the first: top and bottom, m, and its factor."""
         return tuple(zip(self.depths, (*self.depths[1:], math.inf), self.factors, strict=True))

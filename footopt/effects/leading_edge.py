@@ -17,7 +17,7 @@ class LeadingEdgeLaw(NamedTuple):
 
 @dataclass(frozen=True)
 class LeadingEdge(Effect, name="leading_edge"):
-    """Only faces that lead, n.v > 0, feel sand: what trails leaves a gap behind and is not pulled.
+    """Only faces that lead, n.v > 0, feel sand: a face that trails leaves a gap behind it and is not pulled.
 
     Smoothed over the speeds along the normal that a plate holds (`footopt.walk.contact`), at least the creep
     speed, so that implicit steps converge: all of the stress at n.v >= w, none at n.v <= -w.

@@ -40,11 +40,11 @@ class Patches(Effect, name="patches"):
     Parameters
     ----------
     begins, ends : tuple of float, m
-        Of each patch, from where the hip starts.
+        Of each patch, measured from where the hip starts.
     factors : tuple of float
-        zeta of each patch over the sand's.
+        zeta of each patch, divided by the sand's.
     blur : float, m
-        Length of the change at either side; half of it is inside the patch.
+        Length over which zeta changes at either end; half of it is inside the patch.
 
     Raises
     ------
@@ -81,5 +81,5 @@ class Patches(Effect, name="patches"):
 
     @property
     def zones(self) -> tuple[tuple[float, float, float], ...]:
-        """Each patch."""
+        """Each patch: begin and end, m, and its factor."""
         return tuple(zip(self.begins, self.ends, self.factors, strict=True))

@@ -8,7 +8,7 @@ from footopt.errors import check
 
 @dataclass(frozen=True)
 class Rest(Effect, name="rest"):
-    """Friction with memory: a walker that stands stays, and its first instant carries its weight.
+    """Friction with memory: a standing walker does not sink, and the sand carries it from the first instant.
 
     The direction h of a plate in the sand follows its motion over a length delta, damped, and stays in the
     unit disc (`footopt.walk.bristles`), so that at rest the force is what balance needs. Without it

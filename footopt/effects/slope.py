@@ -18,7 +18,7 @@ class Slope(Effect, name="slope"):
     Parameters
     ----------
     angle : float, deg
-        Between -25 and 25: dry sand slides at about 30.
+        Uphill positive; between -25 and 25, as dry sand slides at about 30.
 
     Raises
     ------

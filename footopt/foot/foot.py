@@ -80,7 +80,7 @@ class Foot:
         return hash(self._geometry())
 
     def _geometry(self) -> tuple[Any, ...]:
-        """All that a walk depends on: what is found for a foot holds for one that is read again."""
+        """All that a walk depends on, so that a foot that is read again equals the one that was written."""
         return self.contour.tobytes(), self.width, self.ankle, self.k, self.space, self.closed, self.top
 
     def __repr__(self) -> str:
@@ -115,7 +115,7 @@ class Foot:
 
     @classmethod
     def flat(cls, space: Waypoints | None = None) -> Self:
-        """Make the flat sole at the bottom of the box (k = K everywhere), which a gain is measured from."""
+        """Make the flat sole at the bottom of the box (k = K everywhere), with which feet are compared."""
         space = space or Waypoints()
         return replace(cls.from_waypoints([space.K] * space.n, space), name="flat")
 
@@ -178,7 +178,7 @@ def lower_hull(contour: Array) -> tuple[Array, int]:
 
 @dataclass(frozen=True, eq=False)
 class Soles(Sequence[Foot]):
-    """Soles through waypoints; each becomes a `Foot` where it is asked for."""
+    """Soles through waypoints; an index makes one of them a `Foot`."""
 
     k: Array | Ints  # (designs, n), their heights
     space: Waypoints

@@ -215,7 +215,10 @@ def fine_heights(z, slopes):
 
 @cached_njit(nogil=True, error_model="numpy")
 def leaves(z, slopes, depth):
-    """How far splines leave [-depth, 0] at those steps, (designs,), m; a Bezier curve is in its hull."""
+    """How far splines leave [-depth, 0] at the steps of `fine_heights`, (designs,), m.
+
+    A piece lies within the hull of its Bezier points. It is skipped if these leave no further than others.
+    """
     worst, last = np.zeros(len(z)), z.shape[1] - 2
     for d in range(len(z)):
         for i in range(last + 1):

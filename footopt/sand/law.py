@@ -26,8 +26,8 @@ from footopt.errors import Unusable, check, is_number
 LARGEST = 1e4  # of a coefficient, N/cm^3; concrete has less
 PER_CM3 = 1e6  # N/cm^3 in N/m^3
 EARTH = 9.81  # m/s^2: g where stress maps are measured
-MISFIT = 0.35  # of a column's rms; no law of this form is in such a table
-GAIN = 0.1  # of the table's rms; more power than noise explains comes out of such a sand
+MISFIT = 0.35  # of a column's rms: a table with a larger misfit does not follow a law of this form
+GAIN = 0.1  # of the table's rms: a sand that supplies more power than this is not explained by noise
 STRESSES = (1e-3, 50.0)  # largest stress of a table, N/cm^3; the hardest sand in the literature has 2
 
 
@@ -128,7 +128,7 @@ def alpha(beta: ArrayLike, gamma: ArrayLike, stress_map: StressMap = GENERIC) ->
 
 
 def power_taken(beta: ArrayLike, gamma: ArrayLike, stress_map: StressMap = GENERIC) -> Array:
-    """The power that the sand takes per depth, area and speed, N/m^3 (for zeta = 1); as of `alpha`."""
+    """Power that the sand takes per depth, area and speed, N/m^3 (for zeta = 1); arguments as in `alpha`."""
     ax, az = alpha(beta, gamma, stress_map)
     return np.asarray(ax * np.cos(gamma) + az * np.sin(gamma))
 
@@ -235,7 +235,7 @@ class Sand:
 
     @property
     def title(self) -> str:
-        """By its name, or by its strength if it has none."""
+        """Its name, or its zeta if it has none, in words."""
         return f"sand of zeta {self.zeta:g}" if self.name == Sand.name else f"{self.name} sand"
 
     @classmethod
