@@ -25,7 +25,7 @@ from footopt.mujoco.step import BEGIN, BEND, BODY, COUNTED, DRIFT, END, MEAN, ST
 from footopt.sand import Sand
 from footopt.sand.law import EARTH
 from footopt.walk.accuracy import Accuracy
-from footopt.walk.discretize import compiled_once
+from footopt.walk.discretize import with_bypassed_gates
 from footopt.walk.scene import Scene
 from footopt.walk.state import World
 
@@ -243,7 +243,7 @@ def attach(model: Any, data: Any, feet: Mapping[str, Foot], *given: Any, **optio
 @lru_cache(maxsize=32)
 def _laws(sand: Sand, effects: tuple[Effect, ...]) -> tuple[World, bytes]:
     """The law of a sand with effects as it is compiled, and its effects, pickled."""
-    once = compiled_once(Scene(sand, effects=effects).constants(Accuracy()))
+    once = with_bypassed_gates(Scene(sand, effects=effects).constants(Accuracy()))
     return once, pickle.dumps(once.effects)
 
 

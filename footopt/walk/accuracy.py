@@ -1,4 +1,4 @@
-"""How finely a scene is simulated: numbers (`Accuracy`), or the error that is allowed (`Tolerance`)."""
+"""How finely a scene is simulated: numerical parameters (`Accuracy`), or an allowed error (`Tolerance`)."""
 
 import math
 from dataclasses import dataclass, replace
@@ -28,15 +28,15 @@ class Accuracy:
     creep : float, m/s
         eps: h = v / sqrt(|v|^2 + eps^2) smooths the law's jump at v = 0.
     name : str
-        Of the preset, for tables.
+        Name of the preset.
     rule : str
         How plates are laid, a name in `foot.plates.RULES`: "chord" as in the paper, or "arc", which
         needs fewer for the same error.
     control : float, m/s, optional
         The largest estimated error of the hip's velocity in one step: a step beyond it is halved, three
-        times at most, and dt is the longest. None: all steps are as long.
+        times at most; dt is the longest step. None: all steps are equally long.
     tolerance : float, optional
-        The relative error that these numbers were found for (`Tolerance`).
+        The relative error that these parameters were found for (`Tolerance`).
 
     Raises
     ------
@@ -70,7 +70,7 @@ class Accuracy:
         Parameters
         ----------
         times : int
-            How often.
+            How many times.
         """
         half = 0.5**times
         return replace(
@@ -89,20 +89,20 @@ class Accuracy:
 
 @dataclass(frozen=True)
 class Tolerance:
-    """An accuracy as the error that is allowed: numbers are found in each scene (`footopt.walk.ladder`).
+    """An accuracy as an allowed error: `footopt.walk.ladder` finds the parameters that each scene needs.
 
     Parameters
     ----------
     error : float
         Largest relative error of the worst objective. docs/evidence/accuracy.md has how often it is met.
     name : str
-        Of the preset, for tables.
+        Name of the preset.
     stepper, rule : str
-        As `Accuracy` has them.
+        As in `Accuracy`.
     dt, plates, creep, control : optional
-        Numbers of `Accuracy` that are held; the others are found.
+        Parameters of `Accuracy` that are set by hand; the others are found.
     refinements : int
-        How often the numbers that were found are refined (`Accuracy.refined`): twice for a reference.
+        How many times the parameters that were found are refined (`Accuracy.refined`): twice for a reference.
 
     Raises
     ------
@@ -127,15 +127,14 @@ class Tolerance:
 
     @property
     def by_hand(self) -> dict[str, Any]:
-        """The numbers that are held."""
+        """The parameters that are set by hand."""
         names = ("dt", "plates", "creep", "control")
         return {name: value for name in names if (value := getattr(self, name)) is not None}
 
 
-#: Either way to say how finely a scene is simulated.
 AnyAccuracy: TypeAlias = Accuracy | Tolerance
 
-#: Plates that take as long as what else is in an evaluation of the contact.
+#: Cost of an evaluation of the contact without its plates, in plates.
 EVALUATION = 50.0
 
 
@@ -169,9 +168,9 @@ def resolve(accuracy: AnyAccuracy | str, setting: str = "accuracy") -> AnyAccura
 
 
 def confirming(name: str, accuracy: AnyAccuracy) -> AnyAccuracy:
-    """The accuracy at which finalists are walked again: a preset's name, or `FINER`.
+    """The accuracy at which finalists are evaluated again: a preset by its name, or `FINER`.
 
-    Finer is the preset with the next smaller tolerance, and "fine" for numbers by hand.
+    Finer is the preset with the next smaller tolerance, and "fine" for parameters set by hand.
     """
     if name != FINER:
         return resolve(name, "study.confirm")

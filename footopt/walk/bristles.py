@@ -27,9 +27,9 @@ from footopt.walk.state import ankle_of, in_world, plates_between
 class Bristles(NamedTuple):
     """e of every plate, (2 feet, 2 components, padded plates) each; 0 in the air. None without bristles."""
 
-    h_n: Any  # at the step's beginning
-    h_stage: Any  # where its second stage begins
-    h_next: Any  # at its end
+    e_n: Any  # at the step's beginning
+    e_stage: Any  # where its second stage begins
+    e_next: Any  # at its end
 
 
 @inlined
@@ -41,34 +41,34 @@ def turning_speed_of(length, world, c):
 
 
 @unless_none
-def upright(length, size, plates):
-    """Bristles (2 feet, 2, plates) that are bent straight down by so much of their size."""
-    h = np.zeros((2, 2, plates))
+def bent_down(length, size, plates):
+    """Bristles (2 feet, 2, plates), all (0, -size): 1 is bent straight down, 0 upright."""
+    e = np.zeros((2, 2, plates))
     for i in range(plates):
-        h[0, 1, i] = h[1, 1, i] = -size
-    return h
+        e[0, 1, i] = e[1, 1, i] = -size
+    return e
 
 
 @inlined
 def next_step(bristles):
-    """A step's end is the beginning of the next one."""
-    return Bristles(bristles.h_next, bristles.h_stage, bristles.h_n)
+    """Make the end of a step the beginning of the next one."""
+    return Bristles(bristles.e_next, bristles.e_stage, bristles.e_n)
 
 
 @unless_none
-def record(trace, row, rows, h):
-    """Write bristles into their trace at `row` of `rows`; rows that share one leave the last of theirs."""
+def record(trace, row, rows, e):
+    """Write bristles at `row` of `rows` into a trace that may have fewer rows: the last of several stays."""
     row = row * len(trace) // rows
     for foot in range(2):  # loops: numba takes 20 s to compile an assignment of arrays
-        for i in range(h.shape[2]):
-            trace[row, foot, 0, i], trace[row, foot, 1, i] = h[foot, 0, i], h[foot, 1, i]
+        for i in range(e.shape[2]):
+            trace[row, foot, 0, i], trace[row, foot, 1, i] = e[foot, 0, i], e[foot, 1, i]
 
 
 @partial(unless_none, fastmath=FAST)
 def bend(before, after, part, world, sole, poses, hip, c):
     """Bend the bristles of both feet over a stage of a time c, s, from those before it to those after it.
 
-    part: of the way from before to its end that after is to be; 1 is the end. hip: its `Motion` at the end.
+    part: how much of the stage `after` belongs to; 1 is its end. hip: its `Motion` at the end of the stage.
     """
     turning_speed = turning_speed_of(world.bristle_length, world, c)
     share = part * c / (c + world.retardation)
@@ -80,12 +80,12 @@ def bend(before, after, part, world, sole, poses, hip, c):
         for i in range(last, sole.plates.shape[1]):
             after[foot, 0, i] = after[foot, 1, i] = 0.0
         plates = plates_between(sole, None, first, last)
-        h0 = bristles_between(before, foot, first, last)
-        hx, hz = bristles_between(after, foot, first, last)
+        e0 = bristles_between(before, foot, first, last)
+        ex, ez = bristles_between(after, foot, first, last)
         for i in range(len(plates.x)):
             motion = kinematics(ankle, plates.x[i], plates.z[i])
-            h = direction(motion, turning_speed, 0.0, h0, i)
+            h = direction(motion, turning_speed, 0.0, e0, i)
             in_sand = 1.0 if motion.z < 0.0 else 0.0
-            x, z = h0[0][i] + share * (h.x - h0[0][i]), h0[1][i] + share * (h.z - h0[1][i])
+            x, z = e0[0][i] + share * (h.x - e0[0][i]), e0[1][i] + share * (h.z - e0[1][i])
             in_sand *= rsqrt(max(x * x + z * z, 1.0))  # beyond its stage a slope may lead out of the disc
-            hx[i], hz[i] = in_sand * x, in_sand * z
+            ex[i], ez[i] = in_sand * x, in_sand * z

@@ -23,15 +23,15 @@ from footopt.effects.dual import combined, dual, lift, placed, positive, value
 from footopt.walk.metrics import sinkage_of
 from footopt.walk.state import ALOFT, LANES, Ankle, Contact, Force, Motion, ankle_of, in_world, plates_between
 
-# widths of what is smoothed
-TURN = 0.25  # of a plate's direction: this share of the difference in speed along a plate that rotates
-EXPOSED = 0.5  # of a gate: this share of the same
-BENT = 0.75  # of a gate: this share of the angle by which the contour turns within a plate
-EDGE = 0.005  # n.h over which an effect's gate opens where bristles say how a plate moves
+# over what the law is smoothed
+TURN = 0.25  # a plate's direction: over this share of the difference in speed along a plate that rotates
+EXPOSED = 0.5  # a gate: over this share of the same difference
+BENT = 0.75  # a gate: over this share of the angle by which the contour turns within a plate
+EDGE = 0.005  # a gate, where bristles say how a plate moves: over this n.h
 
-# speeds at which the walker stands down at first
-DOWN = 2.0**-30  # m/s: too slow to change a pressure of an effect, and a power of two, which rounds nothing
-SLOW = 1e-9 * DOWN  # m/s: a turning speed that changes no such force; its square is one that `rsqrt` takes
+# the downward motion by which the initial height of the hip is found
+DOWN = 2.0**-30  # m/s: too slow to change the pressure of an effect; a power of two, which rounds nothing
+SLOW = 1e-9 * DOWN  # m/s: its turning speed, too small to change a force; `rsqrt` can take its square
 
 
 class Direction(NamedTuple):
@@ -62,19 +62,19 @@ def kinematics(ankle, x, z):
 
 
 @inlined_fast
-def direction(motion, turning_speed, within, h0, i):
+def direction(motion, turning_speed, within, e0, i):
     """h of plate i: v / |v|, smoothed over the turning speed and the plate's rotation, or held by bristles.
 
     Along a plate that rotates the velocity differs by `within`, m/s: near the centre of the rotation the mean
-    direction over the plate is smooth where that in its middle jumps. Bristles are bent from `h0`
+    direction over the plate is smooth where the direction at its middle jumps. Bristles are bent from `e0`
     by the motion over a length delta; the turning speed is delta over the time since then.
     """
     vx, vz = motion.vx, motion.vz
-    if h0 is None:
+    if e0 is None:
         rate = rsqrt(vx * vx + vz * vz + (turning_speed * turning_speed + TURN * TURN * within * within))
         return Direction(vx * rate, vz * rate, rate, 1.0)
     turn = 1.0 / turning_speed
-    ux, uz = h0[0][i] + vx * turn, h0[1][i] + vz * turn
+    ux, uz = e0[0][i] + vx * turn, e0[1][i] + vz * turn
     square = ux * ux + uz * uz
     inside = rsqrt(max(square, 1.0))
     return Direction(ux * inside, uz * inside, inside * turn, 1.0 if square > 1.0 else 0.0)
@@ -109,7 +109,7 @@ def outward_normal(tangent, i, ankle):
 
 
 @inlined_fast
-def lead(tangent, i, motion, nx, nz, h, turning_speed, within, h0, stage):
+def lead(tangent, i, motion, nx, nz, h, turning_speed, within, e0, stage):
     """How far plate i leads, for gates: n.v over its smoothing width, or n.h over `EDGE`.
 
     The width is the range of speeds along the normal within a plate that rotates and is bent. The plate leads
@@ -117,7 +117,7 @@ def lead(tangent, i, motion, nx, nz, h, turning_speed, within, h0, stage):
     """
     if tangent is None:
         return dual(stage, 0.0, 0.0, 0.0)
-    if h0 is None:
+    if e0 is None:
         vx, vz = motion.vx, motion.vz
         bent = BENT * tangent.turn[i]
         bent *= bent
@@ -134,7 +134,7 @@ def lead(tangent, i, motion, nx, nz, h, turning_speed, within, h0, stage):
 
 
 @inlined_fast
-def plate_force(law, acting, part, i, ankle, turning_speed, stage, h0):
+def plate_force(law, acting, part, i, ankle, turning_speed, stage, e0):
     """The force on plate i of a foot, with the effects of a scene; arguments as in `foot_force`.
 
     zeta load share (a - M h) dA - pressure n dA, N in x and z, each a `Dual` in an implicit stage; the
@@ -144,11 +144,11 @@ def plate_force(law, acting, part, i, ankle, turning_speed, stage, h0):
     motion = kinematics(ankle, part.x[i], part.z[i])
     depth, x = positive(placed(stage, -motion.z, 0.0, -1.0)), placed(stage, motion.x, 1.0, 0.0)
     within = ankle.rate * part.span
-    h = direction(motion, turning_speed, within, h0, i)
+    h = direction(motion, turning_speed, within, e0, i)
 
     nx, nz = outward_normal(part.tangent, i, ankle)
     vn = dual(stage, motion.vx * nx + motion.vz * nz, nx, nz)
-    leads = lead(part.tangent, i, motion, nx, nz, h, turning_speed, within, h0, stage)
+    leads = lead(part.tangent, i, motion, nx, nz, h, turning_speed, within, e0, stage)
     felt = area * effects.load(acting.loads, depth, x) * effects.gate(acting.gates, leads, depth)
 
     cos2, sin2 = ankle.cos * ankle.cos - ankle.sin * ankle.sin, 2.0 * ankle.sin * ankle.cos
@@ -161,15 +161,15 @@ def plate_force(law, acting, part, i, ankle, turning_speed, stage, h0):
 
 
 @inlined_fast
-def foot_force(law, acting, part, ankle, turning_speed, stage, h0):
+def foot_force(law, acting, part, ankle, turning_speed, stage, e0):
     """F = sum of f over some plates: the paper's eq. 2, with their power and derivatives.
 
     law: the stress map times zeta, N/m^3. acting: `Laws` of the scene's effects. part: the plates. ankle: in
-    the world. turning_speed, stage: see `contact`. h0: bristles of these plates, (h_x, h_z), or None.
+    the world. turning_speed, stage: see `contact`. e0: bristles of these plates, (h_x, h_z), or None.
     """
     x = z = power = xx = xz = zx = zz = 0.0
     for i in range(len(part.x)):
-        fx, fz, motion, _, _ = plate_force(law, acting, part, i, ankle, turning_speed, stage, h0)
+        fx, fz, motion, _, _ = plate_force(law, acting, part, i, ankle, turning_speed, stage, e0)
         x += value(fx)
         z += value(fz)
         power += value(fx) * motion.vx + value(fz) * motion.vz  # eq. 7
@@ -181,15 +181,15 @@ def foot_force(law, acting, part, ankle, turning_speed, stage, h0):
 
 
 @inlined
-def part_force(world, sole, first, last, ankle, turning_speed, stage, h0):
+def part_force(world, sole, first, last, ankle, turning_speed, stage, e0):
     """`foot_force` of the plates first..last of a sole, without the gates where they are bypassed."""
     acting = world.effects
     if world.bypass:
         part = plates_between(sole, acting.pushes, first, last)
         laws = Laws(acting.loads, None, acting.pushes)
-        return foot_force(world.law, laws, part, ankle, turning_speed, stage, h0)
+        return foot_force(world.law, laws, part, ankle, turning_speed, stage, e0)
     part = plates_between(sole, True, first, last)
-    return foot_force(world.law, acting, part, ankle, turning_speed, stage, h0)
+    return foot_force(world.law, acting, part, ankle, turning_speed, stage, e0)
 
 
 @inlined
@@ -215,13 +215,13 @@ def _lowest(sole, block, cos, sin):
 
 
 @inlined
-def contact(world, sole, poses, hip, turning_speed, stage, h0, counts):
+def contact(world, sole, poses, hip, turning_speed, stage, e0, counts):
     """`Contact` of both feet with the sand.
 
     poses: (2 feet, 7), both feet relative to the hip (`state.ankle_of`). turning_speed: over which a plate's
     direction turns, m/s: the creep speed eps; with bristles, delta over the time for which they have followed
     the plates. stage: dx/dv_x = dz/dv_z in an implicit stage, s: how the hip's place follows from its
-    velocity; None leaves the derivatives out, which are then 0. h0: bristles at the beginning of that time,
+    velocity; None leaves the derivatives out, which are then 0. e0: bristles at the beginning of that time,
     (2 feet, 2, plates), or None. counts: a record of `COUNTS`, added to.
     """
     counts.evaluations += 1
@@ -232,33 +232,33 @@ def contact(world, sole, poses, hip, turning_speed, stage, h0, counts):
         force = ALOFT.left
         if first < last:
             counts.plates += last - first
-            bristles = bristles_between(h0, foot, first, last)
+            bristles = bristles_between(e0, foot, first, last)
             force = part_force(world, sole, first, last, ankle, turning_speed, stage, bristles)
         left, right = right, force
-    return Contact(left, right, ALOFT.turning)
+    return Contact(left, right, ALOFT.reversal)
 
 
 @unless_none
-def bristles_between(h0, foot, first, last):
-    """Those of some plates of one foot."""
-    return h0[foot, 0, first:last], h0[foot, 1, first:last]
+def bristles_between(e0, foot, first, last):
+    """Bristles of the plates first..last of one foot."""
+    return e0[foot, 0, first:last], e0[foot, 1, first:last]
 
 
 @inlined
-def static_height(world, sole, poses, h0):
+def static_height(world, sole, poses, e0):
     """Hip height (m) at which the limit forces of downward motion on both feet carry the weight.
 
     Vertical balance only: eq. 2 with h = (0, -1) on every plate, and effects as at rest. NaN if even at the
     surface the forces do not carry the weight. Found by the Illinois method, which takes a tenth of the
     evaluations of bisection.
 
-    h0: bristles that are bent straight down, or None.
+    e0: bristles that are bent straight down, or None.
     """
     weight, low, high = world.mass * world.g, 0.0, sinkage_of(sole, poses, Motion(0.0, 0.0, 0.0, 0.0))
     below, above, side = np.nan, -weight, 0
     z = low
     for _ in range(200):
-        missing = _limit_force(world, sole, poses, z, h0) - weight
+        missing = _limit_force(world, sole, poses, z, e0) - weight
         if np.isnan(below):  # at the surface
             if high <= low or missing < 0.0:
                 return np.nan
@@ -266,7 +266,7 @@ def static_height(world, sole, poses, h0):
         elif abs(missing) <= 1e-13 * weight:
             return z
         elif missing > 0.0:
-            above *= 0.5 if side > 0 else 1.0  # the other end has stood twice: as if it were nearer
+            above *= 0.5 if side > 0 else 1.0  # the other end has stayed twice: halve its value
             low, below, side = z, missing, 1
         else:
             below *= 0.5 if side < 0 else 1.0
@@ -278,7 +278,7 @@ def static_height(world, sole, poses, h0):
 
 
 @inlined
-def _limit_force(world, sole, poses, z, h0):
+def _limit_force(world, sole, poses, z, e0):
     """Limit force of downward motion on both feet at the hip height z, N."""
     total = 0.0
     for foot in range(2):
@@ -286,6 +286,6 @@ def _limit_force(world, sole, poses, z, h0):
         ankle = Ankle(still.x, z + still.z, 0.0, -DOWN, still.cos, still.sin, 0.0)
         first, last = submerged(sole, ankle)
         if first < last:
-            slow, bristles = SLOW if h0 is None else np.inf, bristles_between(h0, foot, first, last)
+            slow, bristles = SLOW if e0 is None else np.inf, bristles_between(e0, foot, first, last)
             total += part_force(world, sole, first, last, ankle, slow, world.given, bristles).z
     return total

@@ -15,11 +15,11 @@ from footopt.walk.accuracy import Accuracy
 from footopt.walk.state import LANES, Sole, World, sole_at
 from footopt.walk.steppers import STEPPERS
 
-REST = 4  # longer steps while the walker stands
+REST = 4  # times as long steps while the walker stands
 HALVINGS = 3  # of a step under control, at most
-ROWS = 5_000_000  # poses of a walk that are tabulated, 112 bytes each; ten minutes take 2.6 million
-POSES = 64  # motions whose poses are kept: about 1 MB each, and the time of a few dozen walks
-LONG = ROWS // POSES  # poses of a motion of which only `LONG_ONES` are kept
+ROWS = 5_000_000  # most poses of a walk that are tabulated, 112 bytes each; ten minutes take 2.6 million
+POSES = 64  # cached tables of poses: about 1 MB each; making one takes as long as a few dozen walks
+LONG = ROWS // POSES  # poses in a table above which only `LONG_ONES` are cached
 LONG_ONES = 2
 
 
@@ -32,8 +32,8 @@ class Path(NamedTuple):
     t_f: float  # s, the walk's end
 
 
-def compiled_once(world: World) -> World:
-    """A world without gates as one that bypasses them: one compiled walk serves all plausible laws."""
+def with_bypassed_gates(world: World) -> World:
+    """A world without gates, with those of the plausible effects, bypassed: one compiled walk serves both."""
     if world.effects.gates is not None:
         return world
     gates = effects.laws([kind() for kind in effects.EFFECTS.values() if kind.plausible]).gates
@@ -70,7 +70,7 @@ def too_many_poses(path: Path, accuracy: Accuracy) -> bool:
 def poses(path: Path, accuracy: Accuracy) -> tuple[Array, Array, tuple[Array, ...]]:
     """Time grid, pose at t = 0, (2, 7), and at every step's nodes, (steps, nodes, 2, 7).
 
-    Under control of the step there is a table more for each halving, with twice as many steps.
+    Under control of the step there is one more table for each halving, with twice as many steps.
     """
     if too_many_poses(path, accuracy):
         least = accuracy.dt * pose_rows(path, accuracy) / ROWS
@@ -78,7 +78,7 @@ def poses(path: Path, accuracy: Accuracy) -> tuple[Array, Array, tuple[Array, ..
         hint = "Or shorten the walk: scene.t_f, gait.period, gait.start."
         raise SettingError("accuracy.dt", accuracy.dt, allowed, hint)
     tables = long_pose_tables if pose_rows(path, accuracy) > LONG else pose_tables
-    # whatever the control is, its tables are the same
+    # the tables depend on whether there is a control, not on its value
     like = Accuracy(accuracy.stepper, accuracy.dt, control=accuracy.control and 1.0)
     return tables(path, like, STEPPERS[accuracy.stepper].nodes)
 

@@ -1,13 +1,13 @@
-"""The numbers of a tolerance: a ladder of refinements, climbed with a few soles until errors are within it.
+"""The numerical parameters for a tolerance: a ladder of refinements, climbed with a few soles, the probes.
 
 Errors have three sides: the time step with its control, the plates, and the creep speed. A rung of a side
-is finer than the one below by a known factor. From the coarsest numbers on, each side alone goes up by a
-rung: what that changes in the objectives, times `SAFE`, is the error that the side leaves. The side with
-the largest error for what its refinement costs goes up, until the errors add up to `SHARE` of the
+is finer than the one below by a known factor. From the coarsest parameters on, each side alone goes up by a
+rung: the change of the objectives, times `SAFE`, estimates the error that the side causes. The side with
+the largest error for the cost of its refinement goes up, until the errors add up to `SHARE` of the
 tolerance. One rung may by chance change little: a walk further up on all sides (`DEEP`) has to agree, or the
-climb goes on. Then sides go down again as long as that walk agrees, for a climb learns late which of them
-errs. A climb that has to stop ends on the cheapest rung where most soles agree with the finest walks. Costs
-are evaluations and plates, never seconds: the choice is the same on every machine.
+climb goes on. Then sides go down again as long as that walk agrees, because a climb learns late which side
+causes the error. A climb that has to stop ends on the cheapest rung where most soles agree with the finest
+walks. Costs are evaluations and plates, never seconds: the choice is the same on every machine.
 """
 
 import math
@@ -34,22 +34,22 @@ LONGEST = {True: 1 / 96, False: 1 / 960}  # time step of implicit and of explici
 CONTROL, CREEP = 5e-3, 2.5e-4
 FEWEST = 24  # plates
 ORDER = 3  # of the error of a step in its length: rungs of half the control each that halve the longest step
-SAFE = 2.0  # an error is at most so many times what the next rung changes, if each rung halves it
-SHARE = 0.5  # of the tolerance, for the errors of the probes: other soles of their kind err more
-AGAIN = 0.8  # of that share, for the errors of a rung further down: one of several may be good by chance
-WORTH = 0.8  # of a rung's work: for more than that none further down is taken
-SMALL = 1 / 6  # of that share: an error that is not worth a rung
-FAR = 4.0  # times that share: an error that two rungs will not bring within it
-VAIN, BARELY = 8.0, 1.5  # so many times the work is to bring the error down by this factor
-SAFE_DEEP = 4 / 3  # as `SAFE`, of rungs that leave a quarter of an error
-ALIKE = 2.0  # times the next one's: up to here the worst probe's error counts in a look further up
-NEARLY = 1.25  # times the smallest error: as good where none is small enough
-MOST = 1000.0  # walks in whose work the numbers are found: a fifth of a search of 5,000
-MOST_WORK = 2e10  # evaluations of a plate in which any numbers are found: a minute or two
-CHEAP = 0.02  # of a walk's work: what a rung costs at least
+SAFE = 2.0  # an error is at most this many times the change by the next rung, if each rung halves it
+SHARE = 0.5  # share of the tolerance allowed to the probes: other soles of their kind have larger errors
+AGAIN = 0.8  # of that share, allowed to a rung further down: one of several may be good by chance
+WORTH = 0.8  # of a rung's work: a rung further down is taken only if it costs less than this
+SMALL = 1 / 6  # of that share: a smaller error is not worth a rung
+FAR = 4.0  # times that share: a larger error takes two rungs at once
+VAIN, BARELY = 8.0, 1.5  # this many times the work has to reduce the error by this factor
+SAFE_DEEP = 4 / 3  # as `SAFE`, for rungs that leave a quarter of an error
+ALIKE = 2.0  # the worst probe's error counts as at most this many times the next one's, against `DEEP` walks
+NEARLY = 1.25  # times the smallest error: counts as equally good where none is small enough
+MOST = 1000.0  # walks in whose work the parameters are found: a fifth of a search of 5,000
+MOST_WORK = 2e10  # evaluations of a plate in which any parameters are found: a minute or two
+CHEAP = 0.02  # of a walk's work: the least that a rung is taken to cost
 
 PROBES, DRAWN = 10, 40  # random soles of a space that walk, of those that are drawn
-FEW = 8  # soles that may by chance change little on one rung: two are looked at, and no sole is left out
+FEW = 8  # fewer probes than this may by chance change little on one rung: two are tried, and the worst counts
 
 
 class Rung(NamedTuple):
@@ -71,7 +71,7 @@ class Rung(NamedTuple):
 NEXT = Rung(1, 1, 1)
 #: Half the longest step with an eighth of the control, twice the plates, and a quarter of the creep speed.
 DEEP = Rung(ORDER, 2, 2)
-#: Steps of 1/32 of the first ones, 8,700 plates, a creep speed of 1/8000: nothing finer has been asked for.
+#: Steps of 1/25 of the first ones, 8,700 plates, a creep speed of 1/8000: nothing finer has been asked for.
 TOP = Rung(15, 17, 13)
 
 
@@ -82,13 +82,13 @@ class Found(NamedTuple):
     error: float  # of the probes' objectives, relative; NaN if all fail, infinite if refined ones do
     work: float  # of one of their walks, in evaluations of a plate
     price: float = math.nan  # of all walks that found it
-    path: tuple[Rung, ...] = ()  # from the coarsest numbers on
+    path: tuple[Rung, ...] = ()  # from the coarsest parameters on
 
 
 def numerics(
     accuracy: AnyAccuracy, simulator: Simulator, feet: Waypoints | Foot | Sequence[Foot]
 ) -> Accuracy:
-    """The numbers with which feet walk, the same for all of them; numbers are taken as they are.
+    """The numerical parameters with which feet walk, the same for all; an `Accuracy` is returned as it is.
 
     The probes of a space are random soles, those of feet up to ten of them. Feet that are all of one space
     have the space's.
@@ -101,7 +101,7 @@ def numerics(
 def ladder(
     of: Tolerance, simulator: Simulator, feet: Waypoints | Foot | Sequence[Foot]
 ) -> tuple[Accuracy, Found]:
-    """The numbers that a tolerance comes to, and how they were found."""
+    """The numerical parameters for a tolerance, and how they were found."""
     return simulator.ladder(of, _soles(feet)) or (Accuracy(), Found(Rung(), math.nan, math.nan))
 
 
@@ -181,7 +181,7 @@ def plates_at(rung: Rung) -> int:
 
 
 def numbers_at(of: Tolerance, path: Path, rung: Rung) -> Accuracy:
-    """The numbers of a rung for a walk, and those that are held by hand."""
+    """The numerical parameters of a rung for a walk; those that are set by hand replace them."""
     period = path.gait.period
     speed = (path.l1 + path.l2) / period
     dt = LONGEST[STEPPERS[of.stepper].implicit] * period * min(1.0, 2 ** ((1 - rung.time) / ORDER))
@@ -205,9 +205,9 @@ def climb(
 ) -> Found:
     """Climb a ladder until the relative error of the worst objective is within a tolerance.
 
-    walk: to the probes' objectives (probes, objectives) on a rung, and the work of a walk. top: the finest
-    rung. most: walks with the numbers that are found, in whose work they are to be found. deep: how much
-    finer a walk is that has to agree in the end, or None.
+    walk: from a rung to the probes' objectives (probes, objectives) and the work of a walk. top: the finest
+    rung. most: how many walks with the resulting parameters the climb may cost. deep: how many rungs further
+    up a walk has to agree in the end, or None.
     """
     walked: dict[Rung, tuple[Array, float]] = {}
     passed: list[Found] = []
@@ -266,10 +266,10 @@ def climb(
             break
         side = max(worth, key=lambda side: worth[side])
         rungs = 2 if errors[side] > FAR * allowed else 1
-        look = len(values) * (cost + sum(other for ups in finer for _, other in ups))
+        trial = len(values) * (cost + sum(other for ups in finer for _, other in ups))
         good = NEARLY * min(one.error for one in passed)
         least = min(one.work for one in passed if one.error <= good)
-        if too_expensive(look * (finer[side][0][1] / cost) ** rungs, least):
+        if too_expensive(trial * (finer[side][0][1] / cost) ** rungs, least):
             break
         rung = rung.up(NEXT.sides()[side], rungs, top)
     found = passed[-1]
@@ -317,15 +317,15 @@ def changes_of(values: Array, others: Array, simulator: Simulator | None = None)
 
 
 def worst(errors: Array, alike: float = 1.0) -> float:
-    """The largest of the probes' errors (probes, objectives); of many at most so many times the next one.
+    """The largest of the probes' errors (probes, objectives); of many at most `alike` times the next one.
 
-    One probe of ten may stand at the brink of a fall, whatever the numbers are.
+    One probe of ten may be on the verge of a fall, however fine its walk is.
     """
     ordered = np.sort(errors.max(axis=1))
     return float(ordered[-1] if len(errors) < FEW else min(ordered[-1], alike * ordered[-2]))
 
 
 def _in_vain(passed: Sequence[Found]) -> bool:
-    """Whether the last rungs cost much and brought little: such errors are the scene's, not the numbers'."""
+    """Whether the last rungs cost much and gained little: the scene's errors do not fall with refinement."""
     before = [one.error for one in passed if VAIN * one.work <= passed[-1].work]
     return bool(before) and not min(one.error for one in passed) < min(before) / BARELY

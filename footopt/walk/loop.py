@@ -19,7 +19,7 @@ from footopt.errors import check_whole
 from footopt.foot import Plates
 from footopt.walk import discretize
 from footopt.walk.accuracy import Accuracy
-from footopt.walk.bristles import Bristles, record, upright
+from footopt.walk.bristles import Bristles, bent_down, record
 from footopt.walk.contact import static_height
 from footopt.walk.discretize import Path
 from footopt.walk.metrics import COLUMNS, NO_EXTREMES, RAW, raw_of, sample_of, sinkage_of, step_error, updated
@@ -28,15 +28,15 @@ from footopt.walk.state import ALOFT, COUNTS, Integrals, Motion, State, World, b
 from footopt.walk.steppers import STEPPERS, acceleration, advance, explicit_contact
 
 NEAR_PEAK = 0.9  # of the largest |P| of a foot so far: from there a step may hold the peak of the whole walk
-PEAK = 0.1  # of its control is what such a step is held to: the peak follows the speed's error at one instant
-LENGTHEN = 0.1  # of what a step may err: below it the next is twice as long, with 8 times the error
+PEAK = 0.1  # share of the control that such a step must meet: the peak depends on the speed at one instant
+LENGTHEN = 0.1  # share of the allowed error: below it the next step is twice as long, with 8 times the error
 FASTEST = 1e4  # m/s: beyond it a walk has diverged
 
 OK, SUNK, BACKWARD, DIVERGED = range(4)
 REASONS = ("", "sunk", "backward", "diverged")  # why a walk failed
 
-MAX_REPEATS = 3  # of a walk that diverged, each with a quarter of the time step before
-MOST_BYTES = 4e9  # that the bristles of a traced walk may take: of a longer one fewer samples are kept
+MAX_REPEATS = 3  # of a walk that diverged, each with a quarter of the previous time step
+MOST_BYTES = 4e9  # of the bristles of a traced walk; of a longer walk fewer samples are kept
 BLOCK = 16  # designs that a thread takes at a time
 
 
@@ -129,13 +129,13 @@ def walk_designs(method, soles, world, course, out, begin, end):
 def _standing(world, sole, poses, count):
     """The walker at rest where the sand carries it; not solved where it does not."""
     length, plates = world.bristle_length, sole.plates.shape[1]
-    h_n = upright(length, 1.0, plates)
-    bristles = Bristles(h_n, upright(length, 0.0, plates), upright(length, 0.0, plates))
-    z = static_height(world, sole, poses, h_n)
+    e_n = bent_down(length, 1.0, plates)
+    bristles = Bristles(e_n, bent_down(length, 0.0, plates), bent_down(length, 0.0, plates))
+    z = static_height(world, sole, poses, e_n)
     hip, none = Motion(0.0, z, 0.0, 0.0), Integrals(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     if not np.isfinite(z):
         return State(hip, ALOFT, none, bristles, False)
-    return State(hip, explicit_contact(world, sole, poses, hip, h_n, 0.0, count), none, bristles, True)
+    return State(hip, explicit_contact(world, sole, poses, hip, e_n, 0.0, count), none, bristles, True)
 
 
 @inlined
@@ -143,11 +143,11 @@ def _trace(out, row, t, state):
     """Write a state into a row of the traces, where there are any."""
     if len(out.trace) > 0:
         write(out.trace[row], sample_of(t, state))
-        record(out.bristles, row, len(out.trace), state.bristles.h_n)
+        record(out.bristles, row, len(out.trace), state.bristles.e_n)
 
 
 def at_once(given: int | None = None, setting: str = "engine.threads") -> int:
-    """How many threads or workers there are to be; None: as many as the process may run on."""
+    """How many threads or workers to use, checked; None: as many as processors the process may run on."""
     if given is None:
         return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     check_whole(given, setting, 1, 4096, "Or null: all.")
@@ -170,10 +170,10 @@ def walk_batch(
     """
     stepper, designs = STEPPERS[accuracy.stepper].parameters, len(plates.x)
     times, pose0, tables = discretize.poses(path, accuracy)
-    soles, constants = discretize.soles(plates), discretize.compiled_once(world)
+    soles, constants = discretize.soles(plates), discretize.with_bypassed_gates(world)
     rows, padded = len(tables[-1]) + 1 if traced else 0, soles.plates.shape[2]
     finest, control = len(tables) - 1, math.inf if accuracy.control is None else accuracy.control
-    # as many in any case: another number is compiled again
+    # always as many tables: the loop would be compiled again for another number of them
     tables += tables[:1] * (discretize.HALVINGS - finest)
     course = Course(times, pose0, tables, finest, control, path.gait.heel_strike, sink)
     kept = 0 if world.bristle_length is None else min(rows, max(1, int(MOST_BYTES / (16 * padded))))
@@ -209,7 +209,7 @@ def walk_batch(
 
 @lru_cache
 def _pool(workers: int) -> ThreadPoolExecutor:
-    """Threads, which are kept: to start them takes as long as ten walks."""
+    """A pool of threads, which is kept: starting threads takes as long as ten walks."""
     return ThreadPoolExecutor(workers)
 
 

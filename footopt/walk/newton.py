@@ -1,12 +1,12 @@
 """One implicit stage of a step, solved for the hip's velocity by Newton's method.
 
-A foot may turn over within a stage. Then the direction of its motion is the unknown: far beyond the speed n
-over which a plate turns its direction over, the slope of h does not show the way back. There w takes the
-place of the velocity, v = n w / sqrt(1 - |w|^2): many n of velocity are less than 2 of w, and the gate of an
-effect, a jump in the velocity, opens over much of the unit disc.
+The motion of a foot may reverse within a stage. At velocities far beyond n, the speed over which a plate's
+direction h reverses, the slope of h does not show the way back. The unknown is then w instead of the
+velocity, v = n w / sqrt(1 - |w|^2): a range of many n in velocity is less than 2 in w, and the gate of an
+effect, which is almost a jump in the velocity, opens over much of the unit disc.
 
 A foot that slides may meet such a jump, too, where it moves along one of its plates. The residual may have a
-smallest value there that is none of its roots: these are on either side, a whole step away.
+minimum there that is no root: the roots are on either side, a whole step away.
 """
 
 from typing import NamedTuple
@@ -16,41 +16,41 @@ import numpy as np
 from footopt.compiled import inlined
 from footopt.walk.bristles import turning_speed_of
 from footopt.walk.contact import TURN, contact, kinematics
-from footopt.walk.state import ALOFT, NO_FOOT, Contact, Force, Motion, Turning, ankle_of, lowest
+from footopt.walk.state import ALOFT, NO_FOOT, Contact, Force, Motion, Reversal, ankle_of, lowest
 
 NEWTON = 0.03  # last step of Newton's method over the plates' mean speed; the forces' error is the square
 STICKING = 1e-3  # the same where bristles hold plates: the law is bent where they begin to slide
 MAX_NEWTON = 200  # contact evaluations of one implicit stage, before it is left unsolved
 SHORTEST = 2.0**-16  # part of a step of Newton's method
 INSIDE = 0.999  # |w| at most; beyond it a foot slides, and steps are those of the velocity
-SMOOTH_STEP = 2.0  # largest last step over the turning speed, where a foot turns over or an effect has a gate
+SMOOTH_STEP = 2.0  # largest last step over the turning speed, where a foot reverses or an effect has a gate
 
 
 @inlined
-def solve_stage(world, sole, poses, start, c, vx, vz, h0, turning, counts):
+def solve_stage(world, sole, poses, start, c, vx, vz, e0, reversal, counts):
     """Velocity V of an implicit stage: V = v0 + c a(r0 + c V, V), by Newton's method.
 
     Starts from the guess (vx, vz) and ends with a step that is small (`converged`): Newton's method has then
     converged to the square of that ratio. The stage's forces are carried along the last step to first order,
     so that its momentum balance closes to rounding.
 
-    Where a step makes the residual larger, a foot has turned its direction of motion over. Newton's method
-    goes on half-way in that foot's direction w, and its steps are those of w, halved until they make the
-    residual smaller. Beside a gate the next step is at most twice as long as such a part. Where the shortest
-    does not help, Newton's method begins again a whole step away, on one side and on the other in turn.
+    Where a step makes the residual larger, the motion of a foot has reversed. Newton's method goes on
+    half-way in that foot's direction w, and its steps are those of w, halved until they make the residual
+    smaller. With a gate, the next step is at most twice as long as the halved one. Where the shortest does
+    not help, Newton's method begins again a whole step away, on one side and on the other in turn.
 
     start: r0, m, and v0, m/s. c: the stage's coefficient times the time step, s. vx, vz: the guess, m/s.
-    h0: bristles before it, or None. turning: of the stage before. The others are as in `contact`. Returns the
-    hip's motion and the contact at the stage's end, and whether it is solved.
+    e0: bristles before it, or None. reversal: of the stage before. The others are as in `contact`. Returns
+    the hip's motion and the contact at the stage's end, and whether it is solved.
     """
     inv = c / world.mass
     turning_speed = turning_speed_of(world.bristle_length, world, c)
     hip = Motion(start.x + c * vx, start.z + c * vz, vx, vz)
-    plate, vx, vz = begun(sole, poses, hip, turning, turning_speed, h0)
+    plate, vx, vz = first_guess(sole, poses, hip, reversal, turning_speed, e0)
     best, best_vx, best_vz, dvx, dvz, part, side = np.inf, vx, vz, 0.0, 0.0, 1.0, 1.0
     for _ in range(MAX_NEWTON):
         hip = Motion(start.x + c * vx, start.z + c * vz, vx, vz)
-        at = contact(world, sole, poses, hip, turning_speed, c, h0, counts)
+        at = contact(world, sole, poses, hip, turning_speed, c, e0, counts)
         rx, rz = residual(world, start, c, hip, at)
         square = rx * rx + rz * rz
         if square <= best:
@@ -60,16 +60,16 @@ def solve_stage(world, sole, poses, start, c, vx, vz, h0, turning, counts):
                 vx, vz = vx + dvx, vz + dvz
                 end = Motion(start.x + c * vx, start.z + c * vz, vx, vz)
                 left, right = _extrapolated(at.left, dvx, dvz), _extrapolated(at.right, dvx, dvz)
-                return end, Contact(left, right, ended(plate, vx, vz)), True
+                return end, Contact(left, right, reversal_after(plate, vx, vz)), True
             dvx, dvz = part * dvx, part * dvz
-            vx, vz = stepped(plate, vx, vz, dvx, dvz, h0)
+            vx, vz = stepped(plate, vx, vz, dvx, dvz, e0)
         elif plate.foot == NO_FOOT:
-            plate = turning_plate(sole, poses, hip, best_vx, best_vz, turning_speed, h0)
-            vx, vz = half_way(plate, best_vx, best_vz, vx, vz)
+            plate = reversing_plate(sole, poses, hip, best_vx, best_vz, turning_speed, e0)
+            vx, vz = _middle_velocity(plate, best_vx, best_vz, vx, vz)
             best = np.inf
         elif part > SHORTEST:
             dvx, dvz, part = 0.5 * dvx, 0.5 * dvz, 0.5 * part
-            vx, vz = stepped(plate, best_vx, best_vz, dvx, dvz, h0)
+            vx, vz = stepped(plate, best_vx, best_vz, dvx, dvz, e0)
         else:
             vx, vz = best_vx + side * dvx / part, best_vz + side * dvz / part
             best, part, side = np.inf, 1.0, -side
@@ -99,7 +99,7 @@ def newton_step(inv, at, rx, rz):
 
 @inlined
 def gated(world):
-    """Whether effects have gates, which jump with the velocity."""
+    """Whether effects have gates, which are almost jumps in the velocity."""
     return not world.bypass and world.effects.gates is not None
 
 
@@ -156,25 +156,25 @@ def _extrapolated(force, dvx, dvz):
 class Plate(NamedTuple):
     """The deepest plate of a foot."""
 
-    foot: int  # that turns over, or `NO_FOOT`
+    foot: int  # whose motion reverses, or `NO_FOOT`
     x: float  # m/s, the hip's velocity at which w = 0: the plate rests, or its bristles stand upright
     z: float
     speed: float  # n, m/s
     height: float  # m, above the hip
 
 
-#: No foot turns over: steps are those of the velocity.
+#: No motion reverses: steps are those of the velocity.
 NO_PLATE = Plate(NO_FOOT, 0.0, 0.0, 1.0, 0.0)
 
 
 @inlined
-def deepest_plate(sole, poses, foot, turning_speed, h0):
+def deepest_plate(sole, poses, foot, turning_speed, e0):
     """The deepest plate of a foot in a stage."""
     ankle = ankle_of(poses, foot)
     i, height = lowest(sole, ankle)
     motion = kinematics(ankle, sole.plates[0, i], sole.plates[1, i])
     speed = _smooth_speed(sole, ankle.rate, turning_speed)
-    x, z = _held(h0, foot, i)
+    x, z = _held(e0, foot, i)
     return Plate(foot, -motion.vx - speed * x, -motion.vz - speed * z, speed, height)
 
 
@@ -189,58 +189,58 @@ def _smooth_speed(sole, rate, turning_speed):
 
 
 @inlined
-def _held(h0, foot, i):
+def _held(e0, foot, i):
     """The direction in which bristles hold a plate; 0 without them."""
-    if h0 is None:
+    if e0 is None:
         return 0.0, 0.0
-    return h0[foot, 0, i], h0[foot, 1, i]
+    return e0[foot, 0, i], e0[foot, 1, i]
 
 
 @inlined
-def turning_plate(sole, poses, hip, vx, vz, turning_speed, h0):
-    """The plate of the foot that turns over on the way from (vx, vz), m/s, to the hip's velocity.
+def reversing_plate(sole, poses, hip, vx, vz, turning_speed, e0):
+    """The plate of the foot whose motion reverses on the way from (vx, vz), m/s, to the hip's velocity.
 
-    Of both feet in the sand that with the smaller w half-way.
+    Of the feet in the sand, that with the smaller |w| half-way.
     """
     found, least = NO_PLATE, np.inf
     for foot in range(2):
-        plate = deepest_plate(sole, poses, foot, turning_speed, h0)
-        x, z = _half_way(plate, vx, vz, hip.vx, hip.vz)
+        plate = deepest_plate(sole, poses, foot, turning_speed, e0)
+        x, z = _middle_direction(plate, vx, vz, hip.vx, hip.vz)
         if hip.z + plate.height < 0.0 and x * x + z * z < least:
             found, least = plate, x * x + z * z
     return found
 
 
 @inlined
-def begun(sole, poses, hip, turning, turning_speed, h0):
-    """The plate that turns over as a stage begins, and the hip's velocity with its w of the stage before."""
-    if turning.foot != NO_FOOT:
-        plate = deepest_plate(sole, poses, turning.foot, turning_speed, h0)
+def first_guess(sole, poses, hip, reversal, turning_speed, e0):
+    """The plate whose motion reverses as a stage begins, and the hip's velocity with the w before it."""
+    if reversal.foot != NO_FOOT:
+        plate = deepest_plate(sole, poses, reversal.foot, turning_speed, e0)
         if hip.z + plate.height < 0.0:
-            vx, vz = _velocity(plate, turning.x, turning.z, hip.vx, hip.vz)
+            vx, vz = _velocity(plate, reversal.x, reversal.z, hip.vx, hip.vz)
             return plate, vx, vz
     return NO_PLATE, hip.vx, hip.vz
 
 
 @inlined
-def ended(plate, vx, vz):
-    """How the foot that turns over moves at the end of a stage; none where it slides."""
+def reversal_after(plate, vx, vz):
+    """The foot whose motion reverses, with its w at the end of a stage; `NO_FOOT` where it slides."""
     x, z, _ = _direction(plate, vx, vz)
     slides = x * x + z * z > INSIDE * INSIDE
-    return Turning(NO_FOOT if slides else plate.foot, x, z)
+    return Reversal(NO_FOOT if slides else plate.foot, x, z)
 
 
 @inlined
-def half_way(plate, vx, vz, to_vx, to_vz):
+def _middle_velocity(plate, vx, vz, to_vx, to_vz):
     """The velocity half-way in w from a velocity of the hip to another, m/s."""
-    x, z = _half_way(plate, vx, vz, to_vx, to_vz)
+    x, z = _middle_direction(plate, vx, vz, to_vx, to_vz)
     return _velocity(plate, x, z, 0.5 * (vx + to_vx), 0.5 * (vz + to_vz))
 
 
 @inlined
-def stepped(plate, vx, vz, dvx, dvz, h0):
+def stepped(plate, vx, vz, dvx, dvz, e0):
     """The velocity after a step of Newton's method, m/s, as one of w: dw/dv dv."""
-    if h0 is not None:  # inside the disc they are linear in v
+    if e0 is not None:  # inside the disc they are linear in v
         return vx + dvx, vz + dvz
     x, z, rate = _direction(plate, vx, vz)
     along = x * dvx + z * dvz
@@ -249,7 +249,7 @@ def stepped(plate, vx, vz, dvx, dvz, h0):
 
 
 @inlined
-def _half_way(plate, vx, vz, to_vx, to_vz):
+def _middle_direction(plate, vx, vz, to_vx, to_vz):
     """w half-way between those at two velocities of the hip, m/s."""
     x, z, _ = _direction(plate, vx, vz)
     to_x, to_z, _ = _direction(plate, to_vx, to_vz)
@@ -266,7 +266,7 @@ def _direction(plate, vx, vz):
 
 @inlined
 def _velocity(plate, x, z, vx, vz):
-    """The hip's velocity with a direction w, m/s; (vx, vz) where no foot turns over, or where it slides."""
+    """The hip's velocity with a direction w, m/s; (vx, vz) where no motion reverses, or the foot slides."""
     square = x * x + z * z
     if plate.foot == NO_FOOT or square > INSIDE * INSIDE:
         return vx, vz

@@ -45,7 +45,7 @@ class Objective:
     value : from the raw results (designs, ...) and the scene to (designs,); or from a `Foot` or a `Walk`
         to a number.
     of : "raw", "foot" or "walk": what `value` takes.
-    least : the smallest value that there can be: no smaller limit can be kept.
+    least : the smallest possible value: no smaller limit can be kept.
     """
 
     name: str
@@ -202,8 +202,8 @@ def sizes(values: Array, simulator: Simulator | None = None) -> Array:
 
     Floors of work and power are those of the simulator (`Simulator.least`).
     """
-    light = simulator.least if simulator else 1.0
-    least = {"work": light * FLOORS["work"], "peak_power": light * FLOORS["peak_power"]}
+    scale = simulator.least if simulator else 1.0
+    least = {"work": scale * FLOORS["work"], "peak_power": scale * FLOORS["peak_power"]}
     return np.maximum(np.abs(values), [least.get(name, 1e-3) for name in FIVE])
 
 

@@ -18,7 +18,7 @@ from typing import Any
 from footopt.compiled import cached_njit, wide_njit
 from footopt.effects.base import HOOKS
 
-#: Folders of footopt and of all that is installed, whose versions say what it is.
+#: Folders of footopt and of installed packages, whose versions stand for their code.
 FOLDERS = (
     Path(__file__).parents[1],
     sysconfig.get_path("stdlib"),
@@ -34,7 +34,7 @@ def is_own(thing: Any) -> bool:
 
 
 def own_code(laws: Sequence[Any], stepper: Any = None) -> tuple[Any, ...]:
-    """A user's own types and functions among those that a walk with some effects and a stepper needs."""
+    """The user's own types and functions among those that a walk with some effects and a stepper needs."""
     hooks = [getattr(type(law), hook) for law in laws for hook in HOOKS if hasattr(law, hook)]
     step = () if stepper is None else (type(stepper), type(stepper).step)
     return tuple(filter(is_own, (*step, *map(type, laws), *hooks)))
@@ -47,7 +47,7 @@ def digest_of(functions: tuple[Any, ...]) -> str:
 
 
 def source_of(thing: Any) -> bytes:
-    """The file that a function or type is in, and the user's that it imports; its code if it has no file."""
+    """The file of a function or type, and the user's files that it imports; its code if it has no file."""
     try:
         path = inspect.getfile(thing)
         files = {path: Path(path).read_bytes()}
@@ -74,7 +74,7 @@ def _read_imported(module: Any, path: str, files: dict[str, bytes]) -> None:
 
 
 def _at_import(code: Any) -> Iterator[ast.AST]:
-    """What runs as a module is imported, in every process: not what is in its functions."""
+    """The nodes that run when a module is imported, in every process: not those inside its functions."""
     with suppress(SyntaxError, ValueError):  # of a file that is being edited: text has no children
         code = ast.parse(code) if isinstance(code, bytes) else code
     for child in ast.iter_child_nodes(code) if isinstance(code, ast.AST) else ():
@@ -92,8 +92,8 @@ def _compiled(function: Callable[..., Any], key: Any, compiler: Callable[..., An
 def compiled_for(function: Callable[..., Any], laws: Sequence[Any], stepper: Any = None) -> Any:
     """A function that takes the laws of effects, compiled.
 
-    With a user's own effect or stepper it is not kept on disk: what is kept there is read by every process,
-    and not all of them can import a user's types. It is compiled again after an edit of theirs.
+    With a user's own effect or stepper it is not cached on disk: every process reads that cache, and not all
+    of them can import the user's types. It is compiled again after they are edited.
     """
     own = own_code(laws, stepper)
     key = digest_of(tuple(thing for thing in own if not isinstance(thing, type)))

@@ -52,29 +52,29 @@ def plate_states(
     `bristles` (M, 2, N, 2) are turned by motion over that speed; infinity leaves them as they are.
     """
     sole, count = sole_of(plates), plates.x.shape[1]
-    h0, hip, out = None, np.column_stack([com, velocity]), np.zeros((*pose.x.shape, sole.plates.shape[1], 8))
+    e0, hip, out = None, np.column_stack([com, velocity]), np.zeros((*pose.x.shape, sole.plates.shape[1], 8))
     if bristles is not None:
-        h0 = np.zeros((pose.x.size, 2, sole.plates.shape[1]))
-        h0[..., :count] = np.moveaxis(bristles, 3, 2).reshape(-1, 2, count)
-    compiled_for(each_plate, world.effects.all)(world, sole, pose.table(), hip, turning_speed, h0, out)
+        e0 = np.zeros((pose.x.size, 2, sole.plates.shape[1]))
+        e0[..., :count] = np.moveaxis(bristles, 3, 2).reshape(-1, 2, count)
+    compiled_for(each_plate, world.effects.all)(world, sole, pose.table(), hip, turning_speed, e0, out)
     place, moves, force, normal = (out[:, :, :count, i : i + 2] for i in range(0, 8, 2))
     slip = np.hypot(turning_speed, TURN * float(sole.span) * pose.rate)
     return PlateStates(place, moves, force, normal, plates.area[0], slip)
 
 
 def each_plate(
-    world: Any, sole: Any, poses: Array, hip: Array, turning_speed: float, h0: Any, out: Array
+    world: Any, sole: Any, poses: Array, hip: Array, turning_speed: float, e0: Any, out: Array
 ) -> None:
     """Compiled: fill `out` (M, feet, plates, 8) with place, velocity, force and normal of every plate.
 
-    poses: (M, feet, 7). hip: (M, 4), its place and velocity. h0: bristles (M times feet, 2, plates), or None.
+    poses: (M, feet, 7). hip: (M, 4), its place and velocity. e0: bristles (M times feet, 2, plates), or None.
     """
     law, acting, part = world.law, world.effects, plates_between(sole, True, 0, sole.plates.shape[1])
     for m in range(len(hip)):
         moving = Motion(hip[m, 0], hip[m, 1], hip[m, 2], hip[m, 3])
         for foot in range(poses.shape[1]):
             ankle = in_world(ankle_of(poses[m], foot), moving)
-            bristles = bristles_between(h0, m * poses.shape[1] + foot, 0, len(part.x))
+            bristles = bristles_between(e0, m * poses.shape[1] + foot, 0, len(part.x))
             for i in range(len(part.x)):
                 x, z, at, nx, nz = plate_force(law, acting, part, i, ankle, turning_speed, None, bristles)
                 write(out[m, foot, i], (at.x, at.z, at.vx, at.vz, x, z, nx, nz))

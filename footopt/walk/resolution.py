@@ -57,7 +57,7 @@ def estimate_error(
 
 
 def error_of(walk: Walk, names: Sequence[str] | None = None) -> dict[str, float]:
-    """`estimate_error` of a walk that is there already."""
+    """`estimate_error` of a walk that has been simulated."""
     names = tuple(names or walk.objectives)
     values = np.array([list(walk.measures(names).values())])
     found = estimated(values, [walk.foot], walk.scene, walk.accuracy, names, threads=1)

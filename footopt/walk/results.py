@@ -103,7 +103,7 @@ class Table:
 
 LEAST_LOAD = 1.0 / 600.0  # of the weight: with more a foot stands on the sand
 
-#: Names of feet by their number; of more of them the numbers.
+#: Names of one foot, and of two; more feet are numbered.
 SIDES = {1: ("single",), 2: ("left", "right")}
 
 
@@ -278,6 +278,7 @@ class Walk:
 
     @property
     def sole(self) -> Plates:
+        """The plates of its sole, as they were in the sand."""
         return self.foot.plates(self.accuracy.plates, self.accuracy.rule, reshaping(self.world.effects))
 
 

@@ -133,7 +133,7 @@ class Scene(Simulator):
 
     @property
     def least(self) -> float:
-        """In proportion for a walker whose weight times leg is less than a joule."""
+        """1, or weight times length of the legs, J, if that is less: for a small walker."""
         return min(1.0, self.weight * (self.walker.l1 + self.walker.l2))
 
     @property
@@ -143,7 +143,7 @@ class Scene(Simulator):
 
     @property
     def about(self) -> str:
-        """What walks, in a line."""
+        """The walker and its gait, in one line."""
         walker, gait = self.walker, self.gait
         return (
             f"Walker: {walker.mass:g} kg, legs {walker.l1:g} + {walker.l2:g} m, g {walker.g:g} m/s^2; "
@@ -267,7 +267,7 @@ class Scene(Simulator):
         )
 
     def ladder(self, of: Tolerance, soles: Waypoints | tuple[Foot, ...]) -> tuple[Accuracy, Found]:
-        """The numbers of a tolerance, and how they were found."""
+        """The numerical parameters for a tolerance, and how they were found."""
         found = climbed(replace(of, name="", refinements=0), self, self.path, soles)
         numbers = numbers_at(of, self.path, found.rung)
         return replace(numbers.refined(of.refinements), **of.by_hand) if of.refinements else numbers, found

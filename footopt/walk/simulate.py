@@ -29,7 +29,7 @@ def simulate(foot: Foot, scene: Simulator | None = None, accuracy: AnyAccuracy |
     scene : Simulator, optional
         A `Scene`, the paper's walk on hard sand by default; or any other simulator, such as a robot.
     accuracy : Accuracy, Tolerance or str
-        Numbers, an error that is allowed, or a preset's name.
+        Numerical parameters, an allowed error, or the name of a preset.
 
     Returns
     -------
@@ -57,8 +57,9 @@ def evaluate(
 ) -> Table:
     """Walk through a scene with many feet, keeping objectives only: the fast path.
 
-    A result does not depend on the number of threads, nor on the other designs of a batch if the accuracy is
-    numbers, or feet are of one space. Of other feet, ten in the batch say which numbers all of them need.
+    A result does not depend on the number of threads. It does not depend on the other designs of a batch if
+    `accuracy` is an `Accuracy`, or the feet are of one space; for other feet, ten of the batch determine the
+    numerical parameters of all.
 
     Parameters
     ----------

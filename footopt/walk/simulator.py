@@ -1,4 +1,4 @@
-"""What walks with a foot: the seam between simulations and all that searches, judges and draws them."""
+"""`Simulator`: the interface between simulations and everything that searches, compares and draws them."""
 
 import math
 from abc import ABC, abstractmethod
@@ -21,7 +21,7 @@ from footopt.walk.own_code import own_code
 class Walked(NamedTuple):
     """Feet that have walked, a row each."""
 
-    raw: Array  # (feet, quantities), NaN for a walk that failed, but for what is known of it
+    raw: Array  # (feet, quantities), NaN for a walk that failed, except for what is known of it nevertheless
     reasons: Words  # why a walk failed, or ""
     evaluations: Ints  # of the contact
     counts: Mapping[str, Ints] = {}  # of anything else
@@ -30,8 +30,8 @@ class Walked(NamedTuple):
 class Simulator(ABC):
     """What walks with a foot: the planar walker of a `Scene`, a robot, or a function.
 
-    `footopt.simulate`, `footopt.evaluate`, `FootProblem` and all that is made of them take any. A class that
-    inherits from it is a frozen dataclass: a store keeps the fields that it is compared by.
+    `footopt.simulate`, `footopt.evaluate`, `FootProblem` and everything built on them accept any. A class
+    that inherits from it is a frozen dataclass; the fields that it compares are part of a store's key.
     """
 
     #: The quantity that `cost_of_transport` counts, J.
@@ -47,7 +47,7 @@ class Simulator(ABC):
 
     @property
     def weight(self) -> float:
-        """What is carried, N."""
+        """Weight of what walks, N."""
         return math.nan
 
     @property
@@ -57,7 +57,7 @@ class Simulator(ABC):
 
     @property
     def least(self) -> float:
-        """Work, J, and power, W, below which errors are relative to this number, not to them."""
+        """Work, J, and power, W: errors of smaller values are relative to this number."""
         return 1.0
 
     @abstractmethod
@@ -71,7 +71,7 @@ class Simulator(ABC):
         feet : sequence of Foot
             A walk's result does not depend on the others.
         accuracy : Accuracy
-            As `ladder` has found it.
+            The numerical parameters that `ladder` found.
         threads : int, optional
             How many to use; by default as many as the process may run on.
         names : sequence of str
@@ -87,31 +87,31 @@ class Simulator(ABC):
         raise SettingError("simulator", self.title, "one that keeps traces of a walk", "Try fo.evaluate.")
 
     def ladder(self, of: Tolerance, soles: Waypoints | tuple[Foot, ...]) -> Any:
-        """The numbers with which it walks at a tolerance, and a `ladder.Found`; None where all are the same.
+        """The numerical parameters for a tolerance, and a `ladder.Found`; None if it has none to choose.
 
         Parameters
         ----------
         of : Tolerance
             The error that is allowed.
         soles : Waypoints or tuple of Foot
-            The space whose soles walk, or those that stand for the ones that do.
+            The space whose soles walk, or a few of the soles that do.
         """
         return None
 
     def own(self) -> tuple[Any, ...]:
-        """Functions and types that determine a walk, a user's own among them: its class, and its effects."""
+        """Functions and types that determine a walk, a user's own among them: its classes and effects."""
         effects, kinds = getattr(self, "effects", ()), type(self).__mro__
         laws = [effect.law for effect in effects if effect.law is not None]
         return (*kinds[: kinds.index(Simulator)], *map(type, effects), *own_code(laws))
 
     @property
     def title(self) -> str:
-        """It in a few words, such as "hard sand"."""
+        """The simulator in a few words, such as "hard sand"."""
         return type(self).__name__
 
     @property
     def about(self) -> str:
-        """What walks, in a line."""
+        """What walks, in one line."""
         return f"Simulator: {self.title}"
 
     def entry(self) -> dict[str, Any]:
@@ -133,7 +133,7 @@ class FunctionSimulator(Simulator):
         From a `Foot` to what it measures by name, or to the reason why it does not walk. It has to be in a
         module for processes to find it. One thread calls it.
     quantities : sequence of str
-        The names: of objectives, the five of the paper among them or not (`footopt.walk.objectives`).
+        Names of these values: objectives of `footopt.walk.objectives`, the paper's five or others.
     """
 
     function: Callable[[Foot], Mapping[str, float] | str] = field(compare=False)

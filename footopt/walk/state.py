@@ -16,7 +16,7 @@ LANES = 8  # plates are padded to a multiple of this, and summed in such blocks
 NO_FOOT = -1  # in place of a foot's number
 
 #: Counts of a walk: evaluations of the contact, of plates in it, stages that Newton's method left unsolved,
-#: steps that were repeated with half their length, and how often the whole walk was, with a quarter of it.
+#: steps that were halved, and repeats of the whole walk with a quarter of the time step.
 COUNTED = ("plates", "unsolved", "shortened", "repeats")
 COUNTS = np.dtype([(name, np.int64) for name in ("evaluations", *COUNTED)])
 
@@ -33,8 +33,8 @@ class World(NamedTuple):
     retardation: float  # s, by which bristles lag behind the force on them
     tolerance: float  # of Newton's method: last step over the plates' mean speed
     effects: Laws
-    #: The stage of `contact` where the motion is given. Derivatives that nobody reads cost no time, and a
-    #: second loop over plates to compile does: 0 with implicit steppers, None with explicit ones.
+    #: The argument `stage` of `contact` where no derivatives are needed: None with explicit steppers; 0 with
+    #: implicit ones, because unused derivatives cost less time than compiling a second loop over plates.
     given: float | None = None
     bypass: bool = False  # whether the gates of `effects` are compiled and not applied
 
@@ -50,8 +50,8 @@ class Tangent(NamedTuple):
 class Sole(NamedTuple):
     """One design's plates, relative to the ankle (`foot.Plates`); of a batch, each with an axis more.
 
-    Plates are filled up to whole blocks of `LANES` by copies of the last plate without area. Two
-    tables, not a dozen of arrays: every function that takes them is compiled in half of the time.
+    Plates are filled up to whole blocks of `LANES` by copies of the last plate without area. Two tables
+    instead of a dozen arrays halve the compile time of every function that takes them.
     """
 
     plates: Array  # (rows, padded plates): the arrays of `Part` and its tangent
@@ -106,8 +106,8 @@ class Force(NamedTuple):
     zz: float
 
 
-class Turning(NamedTuple):
-    """A foot that turns its direction of motion over, where Newton's method has to follow that."""
+class Reversal(NamedTuple):
+    """A foot whose direction of motion reverses, where Newton's method has to follow that (`walk.newton`)."""
 
     foot: int  # or `NO_FOOT`
     x: float  # w, see `footopt.walk.newton`
@@ -119,11 +119,11 @@ class Contact(NamedTuple):
 
     left: Force
     right: Force
-    turning: Turning  # in the stage that ends there
+    reversal: Reversal  # in the stage that ends there
 
 
 #: Feet in the air.
-ALOFT = Contact(Force(*[0.0] * 7), Force(*[0.0] * 7), Turning(NO_FOOT, 0.0, 0.0))
+ALOFT = Contact(Force(*[0.0] * 7), Force(*[0.0] * 7), Reversal(NO_FOOT, 0.0, 0.0))
 
 
 class Integrals(NamedTuple):
@@ -155,9 +155,9 @@ def moved(start, time, vx, vz, ax, az):
 
 
 def borrowed(array):
-    """An array that the caller keeps alive: references to it are not counted.
+    """An array that the caller keeps alive, without reference counts.
 
-    To count one is an atomic instruction, and in these was half of a walk's time.
+    Counting a reference is an atomic instruction; for these arrays it took half of a walk's time.
     """
     return array
 
@@ -218,7 +218,7 @@ def _tangent_between(directed, rows, first, last):
 
 @inlined
 def lowest(sole, ankle):
-    """The lowest plate, and its height above the ground that the ankle is measured from, m."""
+    """The lowest plate, and its height in the frame in which the ankle is given, m."""
     x, z, plate, height = sole.plates[0], sole.plates[1], 0, np.inf
     for i in range(len(x)):
         level = ankle.z + ankle.sin * x[i] + ankle.cos * z[i]

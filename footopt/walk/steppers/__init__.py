@@ -1,13 +1,13 @@
 """Time steppers: NamedTuples of parameters with a method that advances the walker by a time step.
 
-A new file in this folder is found by itself.
+A new file in this folder is imported automatically.
 
 The method makes the state at t + h out of that at t, and changes nothing but the counts:
 
     state = self.step(world, sole, poses, state, h, counts)
 
-- By the type of ``self`` the loop over steps finds it when it is compiled: the loop holds one stepper only,
-  inlined, and is kept on disk for each.
+- The loop over steps finds the method by the type of ``self`` when it is compiled. Each compiled loop holds
+  one stepper only, inlined.
 - ``world``, ``sole``, ``state``, ``counts``: see `footopt.walk.state`. ``state.contact`` is the contact at
   the state's own time; ``state.integrals`` grow by the step's own quadrature of every stage (`accumulate`).
 - ``poses`` (nodes, 2, 7): both feet at t + node h, for the stepper's nodes; the last node is 1.
@@ -57,20 +57,20 @@ def acceleration(world, at):
 
 
 @inlined
-def explicit_contact(world, sole, poses, hip, h0, time, counts):
+def explicit_contact(world, sole, poses, hip, e0, time, counts):
     """The contact at a motion of the hip, without derivatives.
 
-    h0: bristles at the step's beginning, or None. time: since then, s, for which they have followed plates.
+    e0: bristles at the step's beginning, or None. time: since then, s, for which they have followed plates.
     """
     turning_speed = turning_speed_of(world.bristle_length, world, time)
-    return contact(world, sole, poses, hip, turning_speed, world.given, h0, counts)
+    return contact(world, sole, poses, hip, turning_speed, world.given, e0, counts)
 
 
 @inlined
 def finish_step(world, sole, poses, hip, integrals, bristles, h, counts):
     """The state at the end of an explicit step."""
-    at = explicit_contact(world, sole, poses, hip, bristles.h_n, h, counts)
-    bend(bristles.h_n, bristles.h_next, 1.0, world, sole, poses, hip, h)
+    at = explicit_contact(world, sole, poses, hip, bristles.e_n, h, counts)
+    bend(bristles.e_n, bristles.e_next, 1.0, world, sole, poses, hip, h)
     return State(hip, at, integrals, next_step(bristles), True)
 
 

@@ -34,7 +34,7 @@ class Tableau(NamedTuple):
         for i in range(1, len(self.b)):
             reach, weight, pose = self.c[i] * h, self.b[i] * h, poses[self.pose[i]]
             hip = moved(start, reach, hip.vx, hip.vz, ax, az)
-            at = explicit_contact(world, sole, pose, hip, state.bristles.h_n, reach, counts)
+            at = explicit_contact(world, sole, pose, hip, state.bristles.e_n, reach, counts)
             ax, az = acceleration(world, at)
             sums, end = accumulate(sums, weight, hip, at), moved(end, weight, hip.vx, hip.vz, ax, az)
         return finish_step(world, sole, poses[-1], end, sums, state.bristles, h, counts)

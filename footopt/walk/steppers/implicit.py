@@ -22,9 +22,9 @@ class ImplicitEuler(NamedTuple):
         """One implicit stage, the end of the step."""
         start, (ax, az) = state.hip, acceleration(world, state.contact)
         gx, gz = start.vx + h * ax, start.vz + h * az
-        b, turning = state.bristles, state.contact.turning
-        hip, at, solved = solve_stage(world, sole, poses[0], start, h, gx, gz, b.h_n, turning, counts)
-        bend(b.h_n, b.h_next, 1.0, world, sole, poses[0], hip, h)
+        b, reversal = state.bristles, state.contact.reversal
+        hip, at, solved = solve_stage(world, sole, poses[0], start, h, gx, gz, b.e_n, reversal, counts)
+        bend(b.e_n, b.e_next, 1.0, world, sole, poses[0], hip, h)
         return State(hip, at, accumulate(state.integrals, h, hip, at), next_step(b), solved)
 
 
@@ -41,10 +41,10 @@ class SDIRK2(NamedTuple):
         gx, gz = start.vx + c * ax, start.vz + c * az
         for i in range(2):  # one copy of the stage: what is written twice is compiled twice
             if i == 0:  # the second stage begins on the first one's slope, r / c of its way from the start
-                before, after, part = state.bristles.h_n, state.bristles.h_stage, r / c
+                before, after, part = state.bristles.e_n, state.bristles.e_stage, r / c
             else:
-                before, after, part = state.bristles.h_stage, state.bristles.h_next, 1.0
-            stage = solve_stage(world, sole, poses[i], start, c, gx, gz, before, at.turning, counts)
+                before, after, part = state.bristles.e_stage, state.bristles.e_next, 1.0
+            stage = solve_stage(world, sole, poses[i], start, c, gx, gz, before, at.reversal, counts)
             hip, at, solved = stage
             if not solved:
                 break
