@@ -13,7 +13,7 @@ import numpy as np
 from solvers import main
 
 from footopt.design import SINGLE, SOLVERS
-from footopt.design.solvers.memetic import CROSSED, NORMAL, TWICE, Memetic, like
+from footopt.design.solvers.memetic import CROSSED, NORMAL, TWICE, Memetic, normal_sample
 
 
 class WithoutModel(Memetic):
@@ -57,7 +57,7 @@ class WithoutRuns(Memetic):
         X = np.where((often > 0)[:, None], stepped(X), X)
         X = np.where((often > 1)[:, None], stepped(X), X)
         normal = draw.random(count) < NORMAL
-        return np.where(normal[:, None], like(self.pop.get("X").astype(float), count, draw), X)
+        return np.where(normal[:, None], normal_sample(self.pop.get("X").astype(float), count, draw), X)
 
 
 VARIANTS = {

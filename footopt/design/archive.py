@@ -25,10 +25,10 @@ log = logging.getLogger("footopt")
 
 
 class Evaluator:
-    """Recorded values and reasons of designs, each read from the store, or walked and kept there.
+    """Recorded values and reasons of designs, each read from the store, or evaluated and kept there.
 
-    The store is of the same problem, and the executor has the workers that walk; by default this process
-    does. `reused` counts designs that were read. One whose walk has raised an exception is walked again.
+    The store is of the same problem. The workers of the executor evaluate, by default this process. `reused`
+    counts designs that were read. One whose walk raised an exception is evaluated again.
     """
 
     def __init__(
@@ -38,7 +38,7 @@ class Evaluator:
             raise ValueError("the store was opened for another problem than the one that is searched")
         self.problem, self.store, self.executor, self.reused = problem, store, executor, 0
         self._walk: Any = partial(walk, problem) if executor is None else Workers(problem, executor)
-        self._works = False  # whether a walk has not raised an exception
+        self._works = False  # whether some walk has raised no exception
 
     def __call__(self, k: Ints) -> tuple[Array, Words]:
         """Recorded values (designs, record) and why each walk failed, or "", of designs (designs, n)."""
@@ -86,7 +86,7 @@ def causes(counts: Mapping[str, int]) -> str:
 
 
 class Archive:
-    """Every distinct design of a run; `walk` is called with new ones, an `Evaluator` for one."""
+    """Every distinct design of a run; `walk`, such as an `Evaluator`, evaluates new ones."""
 
     def __init__(self, problem: FootProblem, walk: Callable[[Ints], tuple[Array, Words]]) -> None:
         self.problem, self._walk = problem, walk
@@ -99,16 +99,16 @@ class Archive:
         self._latest = np.empty(0, np.int64)
         self._box: tuple[Array, Array] | None = None  # worst values and ranges that volumes are measured by
         self._hypervolume = Volume()
-        # at the end of a generation: generations, designs, and the front, what an interrupted search reports
+        # at the end of the last generation: generations, designs, front, which an interrupted search reports
         self._closed = (0, 0, np.empty(0, np.int64))
 
-    def first(self, k: Ints, most: float) -> int:
-        """How many of designs, from the first, there can be with at most so many different ones in all."""
+    def affordable(self, k: Ints, most: float) -> int:
+        """How many of some designs, from the first on, fit into a budget of `most` different designs."""
         fresh, room = self.known.fresh(k), most - len(self.known)
         return len(k) if len(fresh) <= room else int(fresh[int(room)])
 
     def evaluate(self, k: Ints) -> tuple[Array, Array]:
-        """F and G of a generation, (designs, ...); designs seen before are not walked again."""
+        """F and G of a generation, (designs, ...); known designs are not evaluated again."""
         new, problem = k[self.known.fresh(k)], self.problem
         if len(new):
             values, reasons = self._walk(new)

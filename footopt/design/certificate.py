@@ -55,10 +55,10 @@ class Certificate:
 
 
 def neighbours(k: Ints, space: Waypoints) -> tuple[Ints, int]:
-    """Soles near one, (soles, n), without itself, and in how many waypoints they may differ from it.
+    """The neighbours of a sole, (soles, n), and in how many waypoints they may differ from it by any height.
 
     In two, unless these are more than `MOST`: then in one. Runs of waypoints shifted by one level are always
-    among them: a spline answers to neighbours that move together.
+    among them, because a spline changes its shape most when neighbouring waypoints move together.
     """
     from footopt.design.solvers.moves import shifts
 

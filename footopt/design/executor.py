@@ -27,7 +27,7 @@ from footopt.walk.loop import at_once
 
 IDLE = 3600.0  # s, for which a worker process stays without work
 ENGINES = ("local", "processes")
-EACH = 2  # chunks a worker and batch, so that a slow one does not keep the others waiting
+EACH = 2  # chunks per worker and batch, so that a slow one does not keep the others waiting
 LARGEST = 1000  # designs in a chunk
 LONGEST = 480  # characters of the reason of a design
 DIED = "A worker process has died: it was killed, has crashed, or there was too little memory."

@@ -1,4 +1,4 @@
-"""Fronts: which designs are on them, their hypervolume, what half attain, and which design is the answer."""
+"""Fronts: which designs are on them, their hypervolume, and which design is the answer."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -11,7 +11,7 @@ from footopt.walk.objectives import MEASURES
 
 REFERENCE = 1.1  # of hypervolumes, where the merged front spans 0 to 1 in every objective
 EXACT = 1000  # designs of a front up to which its hypervolume is exact: the time grows with a power of them
-DIRECTIONS = 1024  # that a larger one of more than three objectives is estimated in
+DIRECTIONS = 1024  # samples of the estimate for a larger front of more than three objectives
 
 #: Ways to choose a design, and what is chosen.
 FRONT_RULES = {
@@ -95,14 +95,16 @@ class Choice:
         A name of `FRONT_RULES`. "knee" is compromise programming with equal weights (Zeleny 1973),
         "weights" an achievement scalarising function (Wierzbicki 1980).
     weights : dict of str to float
-        Of the objectives, for "weights": the more, the nearer to its best; 1 for those not named.
+        Of the objectives, for "weights": a larger one demands to be nearer to the objective's best; 1 for
+        those not named.
     limits : dict of str to float
-        Of the objectives, for "limits": the largest of one that is minimised, the smallest of another.
+        Of the objectives, for "limits": the largest value of one that is minimised, the smallest of one that
+        is maximised.
 
     Raises
     ------
     SettingError
-        There is no such way, a number is not allowed, or what a way needs is missing or not read by it.
+        There is no such rule, a number is not allowed, or weights or limits are missing or not used by it.
     """
 
     by: str = "knee"

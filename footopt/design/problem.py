@@ -115,7 +115,7 @@ class FootProblem(Problem):
         return {"scene": self.scene}
 
     def at(self, accuracy: AnyAccuracy) -> Self:
-        """The same, walked at another accuracy."""
+        """The same problem, evaluated at another accuracy."""
         other = copy(self)
         other.accuracy = accuracy
         return other
@@ -125,7 +125,7 @@ class FootProblem(Problem):
         return self.space.inside(k)
 
     def _evaluate(self, x: Any, out: dict[str, Any], *args: Any, **kwargs: Any) -> None:
-        k = whole(x, self)
+        k = as_heights(x, self)
         found = self.evaluate_designs(k)
         out.update(found._asdict(), F=self.minimised(found.values), G=self.constraints(*found))
         if np.ndim(x) == 2 and (k != x).any():  # a population holds the soles that have walked
@@ -183,7 +183,7 @@ class FootProblem(Problem):
         return np.where(np.isfinite(scores), scores, np.inf)
 
 
-def whole(X: Any, problem: Problem) -> Ints:
+def as_heights(X: Any, problem: Problem) -> Ints:
     """An algorithm's proposals as heights (designs, n): rounded, within bounds, dictionaries as rows."""
     X = [X] if isinstance(X, dict) else X  # of one individual
     if len(X) and isinstance(X[0], dict):

@@ -44,7 +44,7 @@ class SearchResult:
     problem : FootProblem
         What was searched.
     solver : Solver
-        By whom.
+        The solver that searched it.
     k : (designs, n)
         Heights; no design twice.
     values : (designs, record)
@@ -54,13 +54,13 @@ class SearchResult:
     violation : (designs,), m
         How far the sole leaves its box.
     generation : (designs,)
-        In which the design came up.
+        In which the design was first proposed.
     history : list of Generation
         One entry a generation.
     best : int
         Index of the best design: of the objective, or the one of the front that ``problem.choice`` takes.
     front : (front,)
-        Indices of the non-dominated feasible designs, the one that is chosen first.
+        Indices of the non-dominated feasible designs, the chosen one first.
     evaluations : int
         Designs that the solver proposed; one that comes up again is not walked again.
     seconds : float, s
@@ -97,7 +97,7 @@ class SearchResult:
 
     @property
     def designs(self) -> int:
-        """How many different designs came up."""
+        """How many different designs were evaluated."""
         return len(self.k)
 
     @property
@@ -121,7 +121,7 @@ class SearchResult:
         return np.asarray(self._of_pymoo(self.problem.constraints(self.values, self.reasons, self.violation)))
 
     def _of_pymoo(self, rows: Any) -> Any:
-        """Rows of the front; the one best is none."""
+        """Rows of the front; the single row of the best design where there is one objective."""
         chosen = rows[self.front]
         return chosen[0] if self.problem.n_obj == 1 else chosen
 
@@ -138,12 +138,12 @@ class SearchResult:
         return Foot.from_waypoints(self.k[self.best], self.problem.space)
 
     def leaders(self, most: int) -> Ints:
-        """Indices of the best feasible designs, of which there are so many at most, the best first."""
+        """Indices of the best feasible designs, at most `most` of them, the best first."""
         pool = np.flatnonzero(self.feasible)
         return pool[np.argsort(self.problem.scores(self.values[pool]), kind="stable")[:most]]
 
     def whole(self, doing: str) -> Self:
-        """It, unless it was interrupted; then a `KeyboardInterrupt` that says what it was doing."""
+        """Itself; if it was interrupted, raises a `KeyboardInterrupt` that says what it was `doing`."""
         if self.interrupted:
             raise KeyboardInterrupt(f"while {doing}")
         return self
@@ -188,7 +188,7 @@ class SearchResult:
 
 @dataclass(frozen=True, eq=False)
 class Confirmation:
-    """The best designs of a search, walked again more finely."""
+    """The best designs of a search, evaluated again at a finer accuracy."""
 
     designs: Ints  # (finalists,), indices into the search's designs, best first by the finer values
     values: Array  # (finalists, record), with their natural signs
@@ -199,7 +199,7 @@ class Confirmation:
 
 
 def confirm(result: SearchResult, accuracy: AnyAccuracy | str, finalists: int = 20) -> Confirmation:
-    """Search cheap, confirm fine: walk the best designs of a search again at another accuracy.
+    """Evaluate the best designs of a search again at another accuracy: search coarsely, confirm finely.
 
     Parameters
     ----------
@@ -223,7 +223,7 @@ def confirm(result: SearchResult, accuracy: AnyAccuracy | str, finalists: int = 
     scores = np.full(len(chosen), np.inf)
     if good.any():
         scores[good] = problem.scores(values[good])
-    order = np.argsort(scores, kind="stable")  # what is no longer good comes last
+    order = np.argsort(scores, kind="stable")  # designs that are no longer good come last
     return Confirmation(
         designs=chosen[order],
         values=values[order],

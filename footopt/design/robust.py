@@ -19,7 +19,7 @@ from footopt.walk.simulate import evaluate
 
 #: How values over scenarios become one; "tail" is the mean over the worst share of them (CVaR).
 RISK_MEASURES = ("mean", "tail", "worst")
-KEPT = 10  # designs whose worst case is known in full: others, if they lose more in one scenario, are dropped
+KEPT = 10  # best worst cases: a design that loses more than all of them in one scenario is dropped
 
 
 class RobustProblem(FootProblem):
@@ -33,7 +33,7 @@ class RobustProblem(FootProblem):
     Parameters
     ----------
     scenarios : sequence of Scenario
-        From `footopt.design.scenarios`; up to `simulate.POSES` different gaits are quick.
+        From `footopt.design.scenarios`; up to `footopt.walk.discretize.POSES` different gaits are quick.
     objective, space, accuracy, threads
         As in `FootProblem`.
     measure : str
@@ -42,10 +42,10 @@ class RobustProblem(FootProblem):
         The share of the scenarios that "tail" averages over.
     references : (scenarios,), optional
         The value of `ranking_objective` that a good foot has in each scenario, by whose magnitude it is
-        divided there: the measure is then one of the loss relative to it (`regret`). By default each
-        scenario's own best, which is searched at once, by 10,000 evaluations a scenario. Ones leave
-        the values as they are: the worst J_W of three sands is that on soft sand, where J_W is a tenth, and
-        the foot that is best by it a specialist.
+        divided there: the measure is then one of the loss relative to it (`regret`). By default, the best
+        foot of each scenario is searched at once, by 10,000 evaluations a scenario. Ones leave the values as
+        they are: the worst J_W of three sands is then always that on soft sand, a tenth of the others, and
+        the foot that is best by it is a specialist for that sand.
     limits : dict of str to float, optional
         As in `FootProblem`, of the measures over the scenarios.
 
@@ -106,7 +106,7 @@ class RobustProblem(FootProblem):
         return found
 
     def at(self, accuracy: AnyAccuracy) -> Self:
-        """The same, walked at another accuracy, with the specialists' values at that one as references."""
+        """The same problem at another accuracy, with the specialists' values at that one as references."""
         other = super().at(accuracy)
         if self.specialists is not None:
             other.references = other.bests(other.walk_each(self.specialists)[0])
@@ -149,11 +149,12 @@ class RobustProblem(FootProblem):
 
 
 class Race(RobustProblem):
-    """The worst case of each design, until it is worse than those of `KEPT` others.
+    """The worst case of each design, evaluated only until it is worse than those of `KEPT` others.
 
-    The scenario that has been the worst one most often comes first. A design that loses more in it than all
-    of the best ones anywhere is evaluated in no other: its values are those of the scenarios so far. The
-    `evaluators` are those of each scenario alone; a limit of theirs on the ranking objective is left out.
+    The scenario that has been the worst one most often comes first. A design that loses more in a scenario
+    than each of the `KEPT` best designs in its worst one is evaluated in no further scenario: its values are
+    those of the scenarios so far. The `evaluators` are those of each scenario alone; a limit of theirs on the
+    ranking objective is left out.
     """
 
     def __init__(
@@ -168,7 +169,7 @@ class Race(RobustProblem):
         self._best = np.full(KEPT, np.inf)  # worst cases of the best designs so far, minimised
 
     def walk(self, k: Ints) -> tuple[Array, Words]:
-        """The same of those scenarios that each design is evaluated in."""
+        """As in `RobustProblem`, over the scenarios that each design is evaluated in."""
         left, ranking = np.arange(len(k)), self.record.index(self.ranking_objective)
         values = np.full((len(self.scenarios), len(k), len(self.record)), np.nan)
         reasons = np.full(values.shape[:2], "", dtype=object)
@@ -176,7 +177,7 @@ class Race(RobustProblem):
             if len(left):
                 values[i, left], reasons[i, left] = self.evaluators[i](k[left])
                 lost = self.signs[ranking] * values[i, left, ranking] / abs(self.references[i])
-                left = left[lost <= self._best[-1]]  # and none that fails
+                left = left[lost <= self._best[-1]]  # designs that failed have NaN, and drop out
         total, why = self._measured(values, reasons)
         losses = self.signs[ranking] * values[..., ranking]
         known = ~np.isnan(losses).any(axis=0)

@@ -106,7 +106,7 @@ def sands(scene: Any) -> tuple[Scenario, ...]:
 
 
 def plausible_laws(scene: Any) -> tuple[Scenario, ...]:
-    """A scene under the plain law, and with each and both of the effects that may be true of any walk."""
+    """A scene under the plain law, with each of the effects that may hold for any walk, and with both."""
     plausible: list[Effect] = [kind() for kind in EFFECTS.values() if kind.plausible]
     choices: dict[str, list[Effect]] = {
         "plain law": [],
@@ -118,10 +118,10 @@ def plausible_laws(scene: Any) -> tuple[Scenario, ...]:
 
 
 def possible_laws(scene: Any, spread: float) -> tuple[Scenario, ...]:
-    """A scene as it is, under the laws that may be true instead of its own, and with another zeta.
+    """A scene as it is, under the laws that may hold instead of its own, and with other values of zeta.
 
-    zeta is a standard deviation of its logarithm lower, and higher, unless `spread` is 0. There is no other
-    law of a scene without sand.
+    zeta is one standard deviation of its logarithm, `spread`, lower and higher, unless that is 0. A scene
+    without sand has no other law.
     """
     own = Scenario("own law", scene)
     if scene.sand is None:
@@ -184,7 +184,7 @@ def vary(scene: Any, spread: Spread, normals: Array, name: str = "varied") -> Sc
 
 
 def deformed(gait: Gait, swing: float, thigh: Array, knee: Array) -> Gait:
-    """A gait with `swing` times its angles' way about their means, plus changes of thigh and knee.
+    """A gait with `swing` times its angles' deviations from their means, plus changes of thigh and knee.
 
     A change is the coefficients of a series, deg: the mean, the cosines, the sines. The shank turns
     with both joints, and a measured pitch of the foot with the shank.

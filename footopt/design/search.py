@@ -17,7 +17,7 @@ from threadpoolctl import threadpool_limits
 
 from footopt.arrays import Array
 from footopt.design.archive import Archive, Evaluator
-from footopt.design.problem import KNOWN, FootProblem, Known, whole
+from footopt.design.problem import KNOWN, FootProblem, Known, as_heights
 from footopt.design.result import Generation, SearchResult
 from footopt.design.solvers import AUTO, EXHAUSTIVE, WALKS, Solver
 from footopt.design.store import Store
@@ -152,7 +152,7 @@ def _line(g: Generation) -> None:
 def _ask_and_tell(
     archive: Archive, algorithm: Any, solver: Solver, progress: Any, most: float, stops: bool
 ) -> str:
-    """Ask for a generation, walk what is new of it, tell the algorithm, and so on; why that was stopped."""
+    """Ask for a generation, evaluate its new designs, tell the algorithm, and repeat; says why it stopped."""
     began = time.perf_counter()
     while len(archive.known) < most:
         proposed = algorithm.ask() if algorithm.has_next() else None
@@ -161,10 +161,10 @@ def _ask_and_tell(
             ended = stops and end.has_terminated() and not end.force_termination
             ended = ended or len(archive.history) == solver.n_gen or solver.name == EXHAUSTIVE
             return "" if ended else ENOUGH
-        k = whole(proposed.get("X"), archive.problem)
-        first = archive.first(k, most)  # the last generation is cut where the walks end
-        found = archive.evaluate(k[:first])
-        if first == len(k):
+        k = as_heights(proposed.get("X"), archive.problem)
+        count = archive.affordable(k, most)  # the last generation is cut where the budget ends
+        found = archive.evaluate(k[:count])
+        if count == len(k):
             _tell(algorithm, proposed, *found)
         archive.close_generation(time.perf_counter() - began)
         latest = archive.history[-1]
@@ -176,7 +176,7 @@ def _ask_and_tell(
 
 
 def _begun(problem: FootProblem, solver: Solver, known: Known, start: Any, termination: Any) -> Any:
-    """A solver's pymoo algorithm, which may propose none of the designs again that are `known` by then."""
+    """A solver's pymoo algorithm, set up; moves by runs propose none of the `known` designs again."""
     solver.check_space(problem.space)
     algorithm = solver.build(problem.n_obj)
     algorithm.data[KNOWN] = known
@@ -186,7 +186,7 @@ def _begun(problem: FootProblem, solver: Solver, known: Known, start: Any, termi
     ends = copy.deepcopy(termination) or ("n_gen", most)
     try:
         algorithm.setup(problem, termination=ends, seed=solver.seed, verbose=False)
-    except AssertionError as error:  # their way to say it: MOEA/D, DNSGA2, KGB
+    except AssertionError as error:  # by which MOEA/D, DNSGA2 and KGB refuse constraints
         needs = "an algorithm that takes constraints: a walk may fail, and a sole leave its box"
         hint = f"pymoo says: {error} Try solver=nsga2, or another."
         raise SettingError("solver", solver.name, needs, hint) from error
@@ -208,8 +208,8 @@ def _begun(problem: FootProblem, solver: Solver, known: Known, start: Any, termi
 
 def _tell(algorithm: Any, proposed: Any, f: Array, g: Array) -> None:
     """Tell F and G of the generation that was proposed, (designs, ...)."""
-    violation = np.maximum(g, 0.0).sum(axis=1, keepdims=True)  # what each would be asked for later
-    for one, *columns in zip(np.atleast_1d(proposed), f, g, violation, strict=True):  # may be alone
+    violation = np.maximum(g, 0.0).sum(axis=1, keepdims=True)  # which pymoo would compute for each design
+    for one, *columns in zip(np.atleast_1d(proposed), f, g, violation, strict=True):  # may be one individual
         one.F, one.G, one.CV = columns
         one.evaluated.update("FG")
     algorithm.evaluator.n_eval += len(f)

@@ -36,7 +36,7 @@ APPLICATION = int.from_bytes(b"foot")  # marks the file as ours (SQLite's applic
 LAYOUT = 5  # of the tables below (SQLite's user_version)
 PATIENCE = 30.0  # s, for another process that writes
 ERROR = "error:"  # what the reason of a design begins with whose walk has raised an exception
-#: Of a key, what no setting says: the same settings may be walked by other code, on another machine.
+#: Parts of a key that are no settings: the same settings may be evaluated by other code, on another machine.
 CODE = ("own", "versions", "machine")
 HEIGHT, VALUE = "<i4", "<f8"  # of heights and values in its tables
 ASKED = 1000  # designs at a time: SQLite takes 32,766 arguments
@@ -143,7 +143,7 @@ class Store(AbstractContextManager["Store"]):
             connection.executemany(ADD, rows)
 
     def describe(self) -> str:
-        """One line about the designs that can be used, or those that other code has walked; or ""."""
+        """One line about the designs that can be used, or those that other code evaluated; or ""."""
         if known := len(self):
             return f"{known} designs of this search are known from {self.path}"
         used = "used again" if len(self._read_from) > 1 else "not used"
@@ -200,7 +200,7 @@ class Store(AbstractContextManager["Store"]):
 
 
 def _log_ahead(connection: sqlite3.Connection) -> None:
-    """A transaction then survives the death of the process as soon as it is in the log, without a sync."""
+    """Turn on the write-ahead log: a transaction in it survives the death of the process without a sync."""
     deadline = time.monotonic() + PATIENCE
     while True:
         try:

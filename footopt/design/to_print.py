@@ -1,7 +1,7 @@
-"""`under_laws`: feet under each law that sand may follow, and the foot that loses least under the worst.
+"""`under_laws`: feet under each law that the sand may follow, and the foot that loses least under the worst.
 
-No experiment tells which law is true of a foot in the sand of a beach. The laws are the scene's own, those
-with and without the leading edge and shadowing, and its own with zeta by its spread lower and higher.
+No experiment tells which law holds for a foot in the sand of a beach. The laws are the scene's own, those
+with and without the leading edge and shadowing, and its own with a lower and a higher zeta.
 """
 
 import math
@@ -29,12 +29,12 @@ from footopt.walk.objectives import MEASURES, relative_change
 from footopt.walk.simulate import evaluate
 
 FIRST = 10  # soles that a search begins with
-TIMES = 2  # as many soles under all laws together as under each
+TIMES = 2  # budget of the search under all laws together, over that of the search under each
 LAST = 5  # best soles of the search under all laws that are evaluated again
-EVEN = 30  # designs of a generation, and an eighth of few: such a search begins near its end
-NOTHING = 1e-9  # of the largest value: the best foot of a measure of soles may have nothing of it
+EVEN = 30  # designs in a generation, or an eighth of a small budget: such a search begins near its end
+NOTHING = 1e-9  # of the largest value: a smaller best value is 0, as that of `hollow` may be
 LEAST = 20  # evaluations of a search under a law
-REACH, STEPS = 32.0, 20  # factor by which zeta is moved either way until the order of two feet turns; steps
+REACH, STEPS = 32.0, 20  # largest factor of zeta, up and down, at which two feet are compared; steps to it
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,7 +128,7 @@ def compare(problem: FootProblem, laws: tuple[Scenario, ...], feet: Ints) -> Und
 
 
 def _size(values: Array, name: str) -> float:
-    """What losses of an objective are relative to: its best value, or the largest where that is nothing."""
+    """What losses of an objective are relative to: its best value, or the largest if the best is 0."""
     best, most = abs(values[(MEASURES[name].sign * values).argmin()]), np.abs(values).max()
     return float(best if best > NOTHING * most else most or 1.0)
 
@@ -178,7 +178,7 @@ def candidates(
 
 
 def _different(soles: list[Ints]) -> Ints:
-    """The first of some soles, each once."""
+    """The first `FIRST` different ones of some soles."""
     return np.array(list(dict.fromkeys(map(tuple, np.concatenate(soles).tolist())))[:FIRST])
 
 
@@ -205,7 +205,7 @@ def better_zetas(problem: FootProblem, foot: Ints, flat: Ints) -> tuple[float | 
         return -float(regret(ours, flat_one, name)[0]) if table.feasible.all() else -math.inf
 
     def turn(direction: int) -> float | None:
-        """Where the lead is nothing: in proportion between the last step with one and the first without."""
+        """The zeta where the lead is 0, interpolated between the last step with a lead and the next one."""
         before = own
         for step in range(1, STEPS + 1):
             after = lead(direction * step)

@@ -1,4 +1,4 @@
-"""Solvers by name: what a `Solver` is, how those of pymoo are built, and how one's own joins them."""
+"""Solvers by name: what a `Solver` is, how those of pymoo are built, and how a user's own is registered."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ EXHAUSTIVE = "exhaustive"
 #: Builders of pymoo algorithms by name: from a `Solver` and the number of objectives.
 SOLVERS: dict[str, Callable[[Solver, int], Any]] = {}
 
-#: Solvers of one objective; the others want two or more.
+#: Solvers of one objective; the others need two or more.
 SINGLE: list[str] = []
 
 #: Our own algorithms by name, as classes below this package.
@@ -35,18 +35,18 @@ GENETIC = {
     "rvea": "moo.rvea.RVEA",
 }
 
-#: Parameters of operators, by solver; a solver of one's own may add its own.
+#: Names of the operators' parameters, by solver; a user's own solver may add its own.
 OPERATORS = dict.fromkeys(GENETIC, ("crossover_prob", "crossover_eta", "mutation_prob", "mutation_eta"))
 
 #: The best for one objective, and for several (docs/solvers.md).
 AUTO, BEST = "auto", ("memetic", "archive")
 
-#: Of the generations of `BEST` without pop_size: a share of all designs so far, within bounds.
+#: Sizes of the generations of `BEST` without pop_size: a share of all designs so far, within bounds.
 SHARE, FIRST, MOST = 0.05, 10, 100
 
-WALKS = 10_000  # of a solver without n_gen
-LIMIT = 1_000_000  # designs of a space that exhaustive takes, whether inside their box or not
-SIZE, BATCH = 100, 4096  # of generations that do not grow, and of exhaustive
+WALKS = 10_000  # budget of a solver without n_gen
+LIMIT = 1_000_000  # largest space, in designs inside their box or not, that exhaustive accepts
+SIZE, BATCH = 100, 4096  # sizes of generations that do not grow, and of exhaustive
 
 
 @dataclass(frozen=True)
@@ -60,20 +60,20 @@ class Solver:
         algorithm of pymoo by the path of its class below `pymoo.algorithms`, "moo.ctaea.CTAEA", at its
         defaults.
     pop_size : int, optional
-        Designs a generation; by default it grows from 10 to 100, a twentieth of all
-        designs so far, and is 100 for solvers whose population has a fixed size, 4096 for exhaustive.
+        Designs in a generation. By default it is a twentieth of all designs so far, from 10 to 100; 100 for
+        solvers whose population has a fixed size; 4096 for exhaustive.
     n_gen : int, optional
-        Generations at most.
+        Largest number of generations.
     seed : int
-        Of everything random; the same seed gives the same result.
+        Of all random numbers; the same seed gives the same result.
     operators : dict of str to float, optional
         Of crossover and mutation: crossover_prob, crossover_eta, mutation_prob, mutation_eta.
         With them, {} too, a solver of several objectives has simulated binary crossover and polynomial
         mutation in place of moves that suit a spline.
     seconds : float, s, optional
-        Once it has taken so long it ends, after the generation that is under way.
+        Time limit: the search ends after the generation during which it is reached.
     walks : int, optional
-        Different designs at most; where n_gen is not given 10,000 by default.
+        Largest number of different designs; by default 10,000, unless n_gen is given.
     """
 
     name: str = AUTO
@@ -107,11 +107,11 @@ class Solver:
 
     @property
     def most(self) -> float:
-        """Different designs at most; infinity where generations alone end it."""
+        """Largest number of different designs; infinity where only generations limit it."""
         return self.walks or (math.inf if self.n_gen or self.name == EXHAUSTIVE else WALKS)
 
     def check_space(self, space: Waypoints) -> None:
-        """Raise a `SettingError` if every design is to be walked of a space that has too many."""
+        """Raise a `SettingError` if every design of the space is to be evaluated, and these are too many."""
         few = self.name != EXHAUSTIVE or space.K**space.n <= LIMIT
         allowed = f"small enough that foot.K^foot.n is at most {LIMIT:,} soles, to walk with all of them"
         check(few, "foot.n", space.n, allowed, "Try foot.n=5 or foot.K=4, or solver=memetic.")
@@ -174,7 +174,7 @@ def register(build: Callable[[Solver, int], Any], single: bool = False) -> Calla
 
 
 def by_class(solver: Solver, n_obj: int) -> Any:
-    """One of `OWN`, or of pymoo's; those of `GENETIC` have operators for whole numbers, or moves of runs."""
+    """An algorithm of `OWN` or of pymoo; those of `GENETIC` get operators for integers, or moves by runs."""
     solver = solver.fitting(n_obj)
     home = __package__ if solver.name in OWN else "pymoo.algorithms"
     module, _, name = (OWN | GENETIC).get(solver.name, solver.name).rpartition(".")
@@ -202,7 +202,7 @@ def by_class(solver: Solver, n_obj: int) -> Any:
         return algorithm(**given)
     runs = n_obj > 1 and solver.operators is None
     built = algorithm(**given, **(by_runs() if runs else operators(**(solver.operators or {}))))
-    built.initialization.repair = NoRepair()  # what a user begins with is proposed, wherever it lies
+    built.initialization.repair = NoRepair()  # designs that a user begins with may be outside their box
     return built
 
 

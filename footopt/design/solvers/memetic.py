@@ -1,4 +1,4 @@
-"""The default solvers: the fewest walks by moves that suit a spline, descents, and restarts."""
+"""The default solvers: moves that suit a spline, a model that selects them, neighbours, and restarts."""
 
 from copy import deepcopy
 from typing import Any
@@ -17,7 +17,7 @@ from footopt.design.solvers import WALKS, grown
 from footopt.design.solvers.model import Memory, Pool, RankModel
 from footopt.design.solvers.moves import IDLE, RandomInside, allowed, exchanged, shifted, shifts
 
-PARENTS = 30  # at first; of one objective twice as many after each restart
+PARENTS = 30  # at first; for one objective twice as many after each restart
 MOST_PARENTS = 240
 PATIENCE = 8  # generations without a better design before the best one's neighbours are proposed
 NORMAL = 0.5  # share of the children that are drawn from the parents' normal distribution
@@ -25,17 +25,17 @@ CROSSED = 0.4  # share of the others that have two parents
 TWICE = 0.2  # share of the rest that are shifted twice
 CHILDREN = 1000  # a generation, of which a model chooses
 LEARNT = 40  # designs before there is a model
-REMEMBERED = 10_000  # parents of several objectives, at most
-WORSE = 1e100  # than any value, for a model of ranks: an infeasible design, the more it violates
-FEW = 100  # parents of several objectives
-ENDS = 0.2  # share of a generation that goes for the best by one of several objectives alone
-WATCHED, STALLED = 500, 0.05  # a front stalls if of so many designs a smaller share is well ahead of it
-AHEAD = 0.01  # of its ranges, by some objective for each of its designs
-FREE = 2 / 3  # share of their children that no model chooses, of a front up to FEW
+REMEMBERED = 10_000  # designs of a front, at most
+WORSE = 1e100  # worse than any value, for a model of ranks: an infeasible design, the more it violates
+FEW = 100  # parents, for several objectives
+ENDS = 0.2  # share of a generation that seeks the best by one of several objectives alone
+WATCHED, STALLED = 500, 0.05  # a front stalls if, of so many designs, a smaller share is well ahead of it
+AHEAD = 0.01  # well ahead of each design of the front: by this share of the range of some objective
+FREE = 2 / 3  # share of the children that the model does not choose while a front has at most `FEW` designs
 
 
 class Moves(Algorithm):
-    """Base of the solvers by moves: no design twice, none outside its box, batches that grow (`grown`)."""
+    """Base of both solvers: no design twice, none outside its box, generations that grow (`grown`)."""
 
     def __init__(self, pop_size: int | None = None, sampling: Any = None, **kwargs: Any) -> None:
         super().__init__(**{"termination": ("n_eval", WALKS), **kwargs})  # pymoo's tolerances know no restart
@@ -69,38 +69,38 @@ class Moves(Algorithm):
 
     def _infill(self) -> Any:
         found = self._found(self._size())
-        if not len(found):  # of a small space no more is found
+        if not len(found):  # a small space has no more
             self.termination.force_termination = True
             return None
         return Population.new(X=found)
 
     def _found(self, size: int) -> Ints:
-        """New designs, as many if there are."""
+        """New designs, `size` of them if there are as many."""
         found = self._propose(size)
         idle = 0
         while (wanted := size - len(found)) and idle < IDLE:
             children = self._screened(self._fresh(self._children(max(CHILDREN, wanted))), wanted)
-            found = np.concatenate([found, self._new(children[:wanted])])
+            found = np.concatenate([found, self._propose_now(children[:wanted])])
             idle = 0 if len(children) else idle + 1
         return found if len(found) else self._drawn(size)
 
     def _drawn(self, count: int) -> Ints:
         """New designs drawn at random."""
         drawn = RandomInside().do(self.problem, 4 * count, random_state=self.random_state)
-        return self._new(self._fresh(drawn.get("X"))[:count])
+        return self._propose_now(self._fresh(drawn.get("X"))[:count])
 
     def _fresh(self, X: Ints) -> Ints:
         """The designs (designs, n) that are allowed and were not proposed before, each once."""
         X = X[self.proposed.fresh(X)].astype(np.int64)
         return X[allowed(self.problem, X)]
 
-    def _new(self, fresh: Ints) -> Ints:
-        """Propose designs (designs, n) that are fresh."""
+    def _propose_now(self, fresh: Ints) -> Ints:
+        """Note designs (designs, n) that are fresh as proposed, and return them."""
         self.proposed.add(fresh)
         return fresh
 
     def _children(self, count: int) -> Ints:
-        """Children of the parents that a solver draws: exchanged, shifted, or both; or like all of them."""
+        """Children of drawn parents: exchanged, shifted, or both; or drawn from all parents' distribution."""
         draw = self.random_state
         X = self._parents(count)
         crossed = draw.random(count) < CROSSED
@@ -110,10 +110,10 @@ class Moves(Algorithm):
         X = np.where((often > 0)[:, None], shifted(X, draw), X)
         X = np.where((often > 1)[:, None], shifted(X, draw), X)
         normal = draw.random(count) < NORMAL
-        return np.where(normal[:, None], like(self.pool.X.astype(float), count, draw), X)
+        return np.where(normal[:, None], normal_sample(self.pool.X.astype(float), count, draw), X)
 
     def _screened(self, X: Ints, count: int) -> Ints:
-        """Of as many groups of children, the one in each that a model of the walks so far likes best."""
+        """The most promising child, by a model of the walks so far, of each of `count` groups."""
         if self.memory.told < LEARNT or len(X) <= count:
             return X
         promise, order = self._promise(X), self.random_state.permutation(len(X))
@@ -131,7 +131,7 @@ class Moves(Algorithm):
         return promise
 
     def _expected(self, X: Ints) -> tuple[Array, Array]:
-        """Ranks of designs (designs, n) by each objective, as a model expects them; those of known ones."""
+        """Ranks of designs (designs, n) by each objective, as a model predicts them, and of known ones."""
         if self.model is None:
             self.model = RankModel(*self.memory.trained(), int(np.max(self.problem.xu)))
         return self.model(X), self.model.ranks
@@ -145,15 +145,15 @@ class Moves(Algorithm):
         self._advance(infills, told=told)
 
     def advance(self, infills: Any = None, **kwargs: Any) -> Any:
-        """Note what has been walked, and go on."""
-        told = self.pool.take(slice(0)) if infills is None else Pool.of(infills)  # nothing new is found
+        """Note what has been evaluated, and go on."""
+        told = self.pool.take(slice(0)) if infills is None else Pool.of(infills)  # None: nothing was found
         bad = told.violation[:, None]
         self.memory = self.memory.joined(told.X, np.where(bad > 0.0, WORSE * (1.0 + bad), told.F))
         self.model = None
         return super().advance(infills=infills, told=told, **kwargs)
 
     def _go_on_with(self, pool: Pool) -> None:
-        """Let a population be the parents."""
+        """Make a population the parents."""
         self.pop, self.pool = pool.pop, pool
 
     def _propose(self, size: int) -> Ints:
@@ -162,7 +162,7 @@ class Moves(Algorithm):
 
 
 class Memetic(Moves):
-    """One objective: few parents, their children, the best one's neighbourhood where it stalls, restarts."""
+    """One objective: few parents and their children; where it stalls, the best one's neighbours; restarts."""
 
     def __init__(self, pop_size: int | None = None, **kwargs: Any) -> None:
         super().__init__(pop_size, **kwargs)
@@ -180,7 +180,7 @@ class Memetic(Moves):
         self.opt = self.front.pop
 
     def _parents(self, count: int) -> Ints:
-        """The better, the more often: the square of a uniform number picks the place."""
+        """Better ones more often: the square of a uniform number picks the place."""
         place = (len(self.pop) * self.random_state.random(count) ** 2).astype(np.int64)
         return np.asarray(self.pool.X[place])
 
@@ -192,7 +192,7 @@ class Memetic(Moves):
     def _near(self, count: int) -> Ints:
         """New designs from the best one's neighbourhood."""
         near = self.pool.X[0] + shifts(self.problem.n_var)
-        return self._new(self._fresh(self.random_state.permutation(near))[:count])
+        return self._propose_now(self._fresh(self.random_state.permutation(near))[:count])
 
     def _restart(self, size: int) -> Ints:
         """Random designs to begin anew with, and twice as many parents."""
@@ -204,11 +204,12 @@ class Memetic(Moves):
 
 
 class Archive(Moves):
-    """Several objectives: every design that no other dominates is kept, and a parent.
+    """Several objectives: every design that no other dominates is kept, and is a parent.
 
-    The others of `FEW` parents, or of a larger front those, are whom NSGA-II would let survive (Deb et al.
-    2002). A model does not see where a rugged front goes on: of a small one it chooses the fewer children.
-    A front that stalls may be a local one: another population begins without it, and later joins both.
+    NSGA-II's survival (Deb et al. 2002) adds further parents up to `FEW`, or selects `FEW` of a larger front.
+    The model does not see where a rugged front continues: while the front is small, it selects only a third
+    of the children. A front that stalls may be a local one: then another population begins without it, and
+    once that stalls too, both are joined.
     """
 
     def __init__(self, pop_size: int | None = None, **kwargs: Any) -> None:
@@ -233,7 +234,7 @@ class Archive(Moves):
         return int((np.array(leads) > AHEAD).sum())
 
     def _survivors(self, told: Pool) -> Pool:
-        """Those of the parents and of new designs whom NSGA-II would let survive."""
+        """The parents and new designs that NSGA-II would let survive."""
         from pymoo.operators.survival.rank_and_crowding import RankAndCrowding
 
         pool = self.pool.joined(told)
@@ -241,11 +242,11 @@ class Archive(Moves):
         return pool.take(RankAndCrowding().do(self.problem, pool.pop, return_indices=True, **survive))
 
     def _thinned(self, front: Pool) -> Pool:
-        """Half of what is remembered at most, where a front is larger than that."""
+        """A front; if it has more than `REMEMBERED` designs, the least crowded half of as many."""
         return front if len(front.X) <= REMEMBERED else self._least_crowded(front, REMEMBERED // 2)
 
     def _least_crowded(self, front: Pool, most: int) -> Pool:
-        """As many of a front, as NSGA-II chooses among designs of one rank."""
+        """`most` designs of a front, chosen as NSGA-II chooses among designs of one rank."""
         from pymoo.operators.survival.rank_and_crowding.metrics import get_crowding_function
         from pymoo.util.randomized_argsort import randomized_argsort
 
@@ -257,7 +258,7 @@ class Archive(Moves):
         self.opt = self.every.pop
 
     def _propose(self, size: int) -> Ints:
-        """A part for the ends of the front; of a small one in a quarter the neighbours of most promise."""
+        """Some for the ends of the front; while it is small, a quarter are its most promising neighbours."""
         if self.seen >= WATCHED:
             stalled, self.seen, self.ahead = self.ahead < STALLED * self.seen, 0, 0
             if stalled and len(drawn := self._restart(size)):
@@ -271,20 +272,20 @@ class Archive(Moves):
         near = (X[:, None] + shifts(X.shape[1])).reshape(-1, X.shape[1])
         X = self._fresh(self.random_state.permutation(near)[: 3 * CHILDREN])
         best = np.argsort(-self._promise(X), kind="stable")
-        return np.concatenate([ends, self._new(X[best[: max(size // 4, 1)]])])
+        return np.concatenate([ends, self._propose_now(X[best[: max(size // 4, 1)]])])
 
     def _ends(self, count: int) -> Ints:
-        """Of children of the best by one objective, each in its turn, those that should be best by it."""
+        """The most promising children by one objective of the best designs by it; objectives take turns."""
         by, draw = (self.n_iter - 1) % self.problem.n_obj, self.random_state
         best = self.memory.X[self.memory.F[:, by].argsort(kind="stable")[:PARENTS]]
         one, other = (best[draw.integers(len(best), size=CHILDREN)] for _ in range(2))
         crossed = draw.random(CHILDREN) < CROSSED
         children = self._fresh(shifted(np.where(crossed[:, None], exchanged(one, other, draw), one), draw))
         order = np.argsort(self._expected(children)[0][:, by], kind="stable")
-        return self._new(children[order[:count]])
+        return self._propose_now(children[order[:count]])
 
     def _restart(self, size: int) -> Ints:
-        """Random designs of another population; where there is one, both go on together instead."""
+        """Random designs of a second population; if there is one already, both go on together instead."""
         if self.every is not self.front:
             self.front, self.memory = self.every, self.before.joined(self.memory.X, self.memory.F)
             self._go_on_with(self.front)
@@ -301,7 +302,7 @@ class Archive(Moves):
         return np.concatenate([super()._screened(X[free:], count - free), X[:free]])
 
 
-def like(X: Array, count: int, draw: Any) -> Ints:
+def normal_sample(X: Array, count: int, draw: Any) -> Ints:
     """Whole numbers from the normal distribution of designs (designs, n): (count, n).
 
     An estimation of distribution (Larranaga & Lozano 2002); the variances do not vanish.

@@ -1,4 +1,4 @@
-"""`Pool`, a population with its columns, and `RankModel`, which expects ranks of designs from known ones."""
+"""`Pool`, a population with its columns, and `RankModel`, which predicts ranks of designs from known ones."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ WIDTH, SMOOTHING = 0.7, 1e-3  # one over the Gaussians' length, in the range of 
 
 
 class Pool(NamedTuple):
-    """A population, and its heights, objectives and violation, a row each: pymoo asks every individual."""
+    """A population with its heights, objectives and violations as arrays, a row for each individual."""
 
     pop: Any
     X: Ints
@@ -25,7 +25,7 @@ class Pool(NamedTuple):
 
     @classmethod
     def of(cls, pop: Any) -> Pool:
-        """A population."""
+        """The pool of a population."""
         X, F, violation = (np.array([getattr(one, of) for one in pop.tolist()]) for of in ("X", "F", "CV"))
         return cls(pop, X.astype(np.int64), F.astype(float), violation[:, 0])
 
@@ -52,11 +52,11 @@ class Pool(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """Designs that a model may still be made of: the newest, and the best by each objective."""
+    """Designs that a model may be made of: the newest, and the best by each objective."""
 
     X: Ints  # (designs, n), heights, in the order in which they were evaluated
     F: Array  # (designs, objectives), minimised
-    told: int = 0  # designs evaluated so far, with those that are forgotten
+    told: int = 0  # designs evaluated so far, including those that are forgotten
 
     def joined(self, X: Ints, F: Array) -> Memory:
         """With new designs, without the old ones that are not among the best `TRAINED` by any objective."""

@@ -1,8 +1,8 @@
 """Moves that suit a spline, pymoo's own operators over whole numbers, and every design of a small space.
 
-A spline through waypoints answers to neighbours that move together: where one waypoint alone would
-make a bump that costs more than the new level brings, a run of them shifts the sole without one. Random
-soles that are improved by single steps of one waypoint end in as many local optima; by shifts of
+A spline changes its shape most when neighbouring waypoints move together. One waypoint that moves alone
+makes a bump, which may cost more than its new level gains; a run of waypoints shifts the sole without one.
+Random soles that are improved by single steps of one waypoint end in as many local optima; by shifts of
 runs, on soft sand, all in the same one.
 
 pymoo's SBX truncates children of an integer population before they are repaired; with
@@ -32,9 +32,9 @@ from footopt.arrays import Array, Bools, Ints
 from footopt.design.problem import KNOWN
 from footopt.errors import check
 
-DRAWS = 200  # batches of random designs at most, of which as many as are wanted should be inside their box
-IDLE = 8  # batches that may bring nothing new before a space counts as used up
-DIRECTIONS = 1000  # of reference, at most
+DRAWS = 200  # batches of random designs at most, until enough are inside their box
+IDLE = 8  # batches without a new design before a space counts as used up
+DIRECTIONS = 1000  # reference directions, at most
 
 
 @lru_cache(maxsize=4)
@@ -105,7 +105,7 @@ class OnlyNew(Repair):
     """Drop what leaves its box, and what the algorithm has proposed before, instead of repairing it."""
 
     def do(self, problem: Any, pop: Any, algorithm: Any = None, **kwargs: Any) -> Any:
-        """The rest of a population."""
+        """The designs of a population that are left."""
         if not len(pop):
             return pop
         X = pop.get("X")
@@ -170,7 +170,7 @@ def batches(n: int, K: int, size: int) -> Iterator[Ints]:
 
 
 class Exhaustive(Algorithm):
-    """Ask for every design that is inside its box, in order; a generation are those of `pop_size` rows."""
+    """Every design that is inside its box, in order; a generation has those of `pop_size` rows."""
 
     def __init__(self, pop_size: int, **kwargs: Any) -> None:
         super().__init__(**kwargs)
