@@ -29,7 +29,7 @@ from footopt.walk.discretize import with_bypassed_gates
 from footopt.walk.scene import Scene
 from footopt.walk.state import World
 
-#: Contacts in use by the address of their MjData: all that the callback reads has to stay where it is.
+#: Contacts in use by the address of their MjData: they keep alive all the memory that the callback reads.
 _KEPT: dict[int, Contact] = {}
 _LOCK = threading.Lock()
 #: Names of feet as MuJoCo reads them, and its own `set_mjcb_passive` while `_refuse` stands for it.
@@ -53,16 +53,16 @@ class Contact:
     feet : mapping of str to Foot
         By name of the body: a sole, whose ankle is the body's origin, x forward and z up.
     sand : Sand
-        Whose law its plates feel.
+        The sand.
     effects : sequence of Effect
-        As in a `Scene`; the sand holds by bristles, whether an effect says over which length or not.
+        As in a `Scene`. Rest (friction with memory) is always on; an effect may set its length.
     plates : int, 1
-        Of a sole: half of them along each of two lines, where Gauss's rule has them across the width; one
-        line in the middle stands for both where no foot can leave the plane of x and z.
+        Number of plates of a sole: half of them along each of two lines, which are at the points of Gauss's
+        rule across the width; one line in the middle replaces both if no foot can leave the plane of x and z.
     traced : int
         How many steps are kept in `trace`, from the first one on.
     remembers : bool
-        Whether the bristles at their ends are kept, too: `bristles`.
+        Whether the bristles at the ends of these steps are kept, too, for `bristles`.
 
     Raises
     ------
@@ -84,11 +84,11 @@ class Contact:
         remembers: bool = False,
     ) -> None:
         mujoco = needed("mujoco", "footopt.mujoco", "mujoco")
-        once, acting = _laws(sand, tuple(effects))
+        world, acting = _laws(sand, tuple(effects))
         g = float(np.linalg.norm(model.opt.gravity)) / EARTH
         check(feet, "feet", {}, "a body and its foot, at least")
         check(plates >= 4 and plates % 2 == 0, "plates", plates, "an even number from 4")
-        level = once.tilt == 0.0
+        level = world.tilt == 0.0
         check(level, "effects", "an inclined plane", "on a level one", "Tilt model.opt.gravity.")
         bodies, tables, first, soles = np.zeros(len(feet), BODY), [], 0, dict[int, Array]()
         rows = [mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name) for name in feet]
@@ -106,7 +106,7 @@ class Contact:
                 cut = foot.plates(plates // 2, fill=reshaping(effects))
                 soles[id(foot)] = _sole(cut, foot.width, self.lines)
             table = soles[id(foot)]
-            body["law"] = g * np.array(once.law)
+            body["law"] = g * np.array(world.law)
             body["row"], body["first"], body["last"] = row, first, first + table.shape[1]
             body["reach"] = np.linalg.norm(table[:3], axis=0).max()
             body["half"] = 0.5 * self.lines / foot.width
@@ -120,7 +120,7 @@ class Contact:
         step["freed"] = int(mujoco.__version__.partition(".")[0]) >= 4
         step["damped"] = kind > RK4 or (kind < RK4 and not model.opt.disableflags & euler_explicit)
         step["ahead"] = model.opt.timestep * (kind > int(mujoco.mjtIntegrator.mjINT_IMPLICITFAST))
-        step["length"], step["bypass"] = once.bristle_length or BRISTLE_LENGTH, once.bypass
+        step["length"], step["bypass"] = world.bristle_length or BRISTLE_LENGTH, world.bypass
         jacobian = np.zeros((n, model.nv))
         steps, wrenches = compiled(), with_effects(acting)
         outside = (
@@ -152,7 +152,7 @@ class Contact:
             **{name: np.zeros(shape) for name, shape in scratch.items()},
         )  # fmt: skip
         self.model, self.data, self.names, self._bodies = model, data, tuple(feet), bodies
-        self.acting = once.effects
+        self.acting = world.effects
         self.addresses = np.array([(a.ctypes.data, *a.shape, 0)[:3] for a in self._space])
         _keep(self)
 
@@ -166,7 +166,7 @@ class Contact:
                     _passive(None)
 
     def lift(self, weight: float) -> float:
-        """How much higher the sand under the attached feet carries a weight, N, as they sink, m; or NaN."""
+        """How far to lift the robot, m, for sand to carry a weight, N, as its feet sink; NaN: it cannot."""
         step = self._space.step
         step["weight"] = weight
         compiled()["lift"].ctypes(self.addresses.ctypes.data)
@@ -179,7 +179,7 @@ class Contact:
         return np.reshape(self._space.trace, (len(self._space.trace), -1, len(TRACED)))
 
     def bristles(self, name: str) -> Array:
-        """Of the faces of a body, in its own axes, (steps, 3, faces)."""
+        """Bristles of the faces of a body at the ends of steps, in its own axes, (steps, 3, faces)."""
         body = self._bodies[self.names.index(name)]
         part = self._space.history[:, 3 * body["first"] : 3 * body["last"]]
         return np.reshape(part, (len(part), 3, body["last"] - body["first"]))
@@ -191,7 +191,7 @@ class Contact:
 
     @property
     def wrench(self) -> dict[str, Array]:
-        """Mean force, N, and torque about the body's origin, N m, (6,), given for the step."""
+        """Mean force, N, and torque about the body's origin, N m, (6,), over the step."""
         return self._by_name(self._in_world(MEAN))
 
     @property
@@ -224,10 +224,10 @@ class Contact:
 
 
 def attach(model: Any, data: Any, feet: Mapping[str, Foot], *given: Any, **options: Any) -> Contact:
-    """`Contact` of a model, or of a mujoco.MjSpec, with None for data: it has `model` and `data` of it.
+    """Make a `Contact` of a model and its data, or of a mujoco.MjSpec and None, which it then compiles.
 
-    States of such a model (`mujoco.mj_getState`) hold the sand's memory: any data of it, with the same feet
-    attached, go on from them to the same bits.
+    States of a model that it compiled (`mujoco.mj_getState`) include the memory of the sand: any MjData of
+    that model with the same feet attached continue from them, to the last bit.
     """
     mujoco = needed("mujoco", "footopt.mujoco", "mujoco")
     if isinstance(model, mujoco.MjSpec):
@@ -242,13 +242,13 @@ def attach(model: Any, data: Any, feet: Mapping[str, Foot], *given: Any, **optio
 
 @lru_cache(maxsize=32)
 def _laws(sand: Sand, effects: tuple[Effect, ...]) -> tuple[World, bytes]:
-    """The law of a sand with effects as it is compiled, and its effects, pickled."""
-    once = with_bypassed_gates(Scene(sand, effects=effects).constants(Accuracy()))
-    return once, pickle.dumps(once.effects)
+    """The constants of a sand with effects, and its effects, pickled, by which code is compiled."""
+    world = with_bypassed_gates(Scene(sand, effects=effects).constants(Accuracy()))
+    return world, pickle.dumps(world.effects)
 
 
 def _in_one_plane(mujoco: Any, model: Any, data: Any, rows: list[int]) -> bool:
-    """Whether bodies move in x and z alone, which are axes of theirs: an axis that turns would turn them."""
+    """Whether bodies can move in the plane of x and z only, and have y for an axis of their own."""
     moved, turned = np.zeros((2, 3, model.nv))
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
@@ -279,7 +279,7 @@ def _need_no_floor(model: Any, row: int, reach: float) -> None:
 
 
 def _keep(contact: Contact) -> None:
-    """Have MuJoCo call the callback for the contact's data; rows of others may be in use meanwhile."""
+    """Have MuJoCo call the callback for the contact's data, while threads may use the rows of others."""
     address = contact.data._address
     with _LOCK:
         rows = np.flatnonzero(ATTACHED[:, 0] == address)

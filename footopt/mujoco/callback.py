@@ -15,10 +15,11 @@ from footopt.mujoco.native import call, entry, functions, pointer
 from footopt.walk.own_code import own_code
 
 MOST = 256  # models on sand at once in one process
-#: Models that are attached: addresses of its MjData, of its `Contact.addresses`, of its compiled step and of
-#: its first foot's name, which is never freed, and micrometres from its origin to its farthest face.
+#: A row for each attached model: addresses of its MjData, of its `Contact.addresses`, of its compiled step
+#: and of its first foot's name, which is never freed, and micrometres from that foot's origin to its
+#: farthest face.
 ATTACHED = np.zeros((MOST, 5), np.int64)
-#: Messages for a foot that falls through the sand, and for bristles that begin anew after a jump in time.
+#: Messages for a foot that falls through the sand, and for bristles that are reset after a jump in time.
 LOST = ctypes.create_string_buffer(b"footopt: a foot fell through: this MjData has no sand; attach it, too")
 FORGOT = ctypes.create_string_buffer(b"footopt: time or time step jumped: sand about the feet began anew")
 
@@ -40,7 +41,7 @@ def passive(model, data, address):
             call(outside[steps.BEND], (address, stage))
         implicit.give(address)
         if meaning == steps.RESTART and step.restarts == 2 and step.time > 0.0:
-            call(outside[steps.WARN], (outside[steps.WORDS],))  # it forgets for the first time
+            call(outside[steps.WARN], (outside[steps.WORDS],))  # the first time that bristles are reset
     if meaning != steps.HOLD:
         steps.leave_trace(address)
     for i in range(len(space.jacobian)):
@@ -50,7 +51,7 @@ def passive(model, data, address):
 
 @lru_cache(maxsize=1)
 def compiled() -> dict[Any, Any]:
-    """The step of any sand, by its functions."""
+    """The compiled functions of a step that are the same for any sand, by their numbers or names."""
     one, whole = types.intp, types.int32
     return {
         steps.BEGIN: entry(steps.begin, one, one, returns=whole),

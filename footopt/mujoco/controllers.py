@@ -1,4 +1,4 @@
-"""What tells a robot's actuators what to do: a gait that servos follow, a table over time, or a function."""
+"""Controllers of a robot: a gait that servos follow, a table of commands over time, or a function."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -23,8 +23,8 @@ class Tracker:
     """Servos whose joints follow a gait.
 
     Every joint needs one position servo, an actuator with a gain and a bias of -gain times its angle
-    (MuJoCo's ``position``, with a gear of 1). One that damps the joint's rate is told where the joint is
-    going, so that it damps the error's rate alone.
+    (MuJoCo's ``position``, with a gear of 1). The command of a servo with damping is corrected for the rate
+    of the gait, so that it damps only the rate of the error.
 
     Parameters
     ----------
@@ -33,12 +33,12 @@ class Tracker:
     joints : mapping of str to str
         By name of the model's joint: "left_hip", "right_knee" and so on, with a minus before it where the
         joint turns the other way (a hip is positive forward, a knee bent backward is negative, an ankle
-        is positive toe up). Actuators of joints that are left out are told 0.
+        is positive toe up). Actuators of joints that are left out get the command 0.
 
     Raises
     ------
     SettingError
-        A joint is none of a gait.
+        A joint is not one of `LEGS`.
     """
 
     gait: Gait = field(default_factory=Gait.human)
@@ -64,7 +64,7 @@ class Tracker:
         return turned, rate
 
     def joints_of(self, model: Any) -> dict[int, str]:
-        """Names of the joints that are followed by the actuators that turn them."""
+        """The names of the joints, by the number of the actuator that turns each."""
         found = {}
         for name in self.joints:
             row = [i for i in range(model.njnt) if model.joint(i).name == name]
@@ -80,7 +80,7 @@ class Tracker:
         return found
 
     def commands(self, model: Any, t: Array) -> Array:
-        """What the actuators are told at times t, (T, nu)."""
+        """Commands to the actuators at times t, (T, nu)."""
         table = np.zeros((len(t), model.nu))
         for act, name in self.joints_of(model).items():
             angle, rate = self.angles(name, t)
@@ -95,14 +95,14 @@ class Tracker:
 
 @dataclass(frozen=True, eq=False)
 class Commands:
-    """A table of what actuators are told over time, linear between its rows and repeated after the last.
+    """A table of commands to actuators over time, linear between its rows and repeated after the last.
 
     Parameters
     ----------
     t : (T,), s
         From 0 on.
     table : mapping of str to (T,)
-        By name of the actuator. Those that are not in it are told 0.
+        By name of the actuator. Actuators that are not in it get the command 0.
     """
 
     t: Array
@@ -124,12 +124,12 @@ class Commands:
         return float(self.t[-1])
 
     def commands(self, model: Any, t: Array) -> Array:
-        """What the actuators are told at times t, (T, nu)."""
-        names, told = [model.actuator(i).name for i in range(model.nu)], np.zeros((len(t), model.nu))
+        """Commands to the actuators at times t, (T, nu)."""
+        names, table = [model.actuator(i).name for i in range(model.nu)], np.zeros((len(t), model.nu))
         for name, values in self.table.items():
             check(name in names, "commands", name, f"an actuator of the model: {', '.join(names)}")
-            told[:, names.index(name)] = np.interp(t % self.t[-1], self.t, values)
-        return told
+            table[:, names.index(name)] = np.interp(t % self.t[-1], self.t, values)
+        return table
 
 
 @dataclass(frozen=True, eq=False)

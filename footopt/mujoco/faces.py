@@ -1,7 +1,7 @@
 """The compiled force on the faces of one body at the end of an implicit stage, with its derivatives.
 
 All vectors are in the body's frame: its twist (v of its origin, omega), the faces' places r and the direction
-up, which is all that the law must know of the attitude. A face moves with v + omega x r.
+up, which is all that the law depends on of the attitude. A face moves with v + omega x r.
 
 They feel the planar law (`footopt.sand.law`), written with vectors, so that a plate may be tilted
 across its motion. With the normal n, up u, <n n> the mean over a bent plate, q = <n n> u, l = q.u (1 for a
@@ -12,8 +12,8 @@ level plate, 0 for a wall), c = 2 l - 1, s = -2 (q - l u) and P = 1 - u u, the s
         + C_diff s u - B_diff u s + (B01 + B_sum c) u u,     F = B01 - B_sum
 
 It is the planar law wherever motion, normal and up are in one plane. Elsewhere a wall resists the part of the
-motion that is along its normal, and slides along itself as hard sideways as up and down, which is F. The
-plate's projection into the plane of motion would have no direction where the motion is vertical.
+motion along its normal, and F is its friction, the same sideways as up and down. (To project a plate into the
+plane of its motion instead would give it no direction where the motion is vertical.)
 """
 
 from footopt.compiled import inlined_fast
@@ -109,11 +109,11 @@ def forces(acting, open, faces, a, u, surface, forward, twist, c, turn, h0):
 
     The loop over plates stores nothing, so that it is vectorised: five times faster.
 
-    acting: `Laws` of effects, whose derivatives are here by
-    depth and place, and by n.v and depth. open: added to how far a face leads, 0 or enough to open all gates.
-    a: the `footopt.sand.law.Law` times zeta, N/m^3. u: up. surface, forward: height and x of
-    a face at the stage's end are the first number, m, plus the other three by its place. twist: (6,), at the
-    stage's end. c: its length, s. turn: c over delta, s/m. h0: bristles.
+    acting: `Laws` of effects, whose derivatives are here by depth and place, and by n.v and depth. open:
+    added to how far a face leads, 0 or enough to open all gates. a: the `footopt.sand.law.Law` times zeta,
+    N/m^3. u: up. surface, forward: height and x of a face at the stage's end are the first number, m, plus
+    the scalar product of the vector and its place. twist: (6,), at the stage's end. c: length of the stage,
+    s. turn: c over delta, s/m. h0: bristles at its beginning.
     """
     law = Law(a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7], a[8])
     total = k0 = k1 = k2 = k3 = k4 = k5 = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)

@@ -1,14 +1,14 @@
-"""Which constant forces over a time step bring the feet where sand would bring them.
+"""The constant forces that, over a time step of MuJoCo, move the feet as the sand would.
 
-The law is stiff: sand holds what stands, and a force from the beginning of a step is that of where the body
+The law is stiff: sand holds what stands, and a force at the beginning of a step is that of where the body
 was. So a step solves the motion of the feet alone over its length, by SDIRK2 (`walk.steppers.implicit`),
 
     dV/dt = a + W F(V, places),   W = J inv(M + dt D) J'
 
 with the twists V of the bodies near the sand, J their Jacobian, M MuJoCo's inertia, D the damping of joints
 and servos that its integrator takes implicitly, and F the sand's wrenches, all in the bodies' own axes. a is
-how they accelerate by all but sand: that of the step before, from how their twists changed, less what springs
-and dampers of joints and servos pull back since. MuJoCo is given the mean of F.
+their acceleration by everything but the sand: that of the step before, from the change of their twists, less
+what springs and dampers of joints and servos pull back since then. MuJoCo gets the mean of F.
 """
 
 import numpy as np
@@ -27,7 +27,7 @@ MAX_NEWTON = 100  # evaluations of one stage, line search included
 #: Rows of `Workspace.room`, of the twists and wrenches of the near bodies.
 BASE, FREELY, AHEAD, TWISTS, FORCES, SUM, LOAD, DV, DLOAD, REST, WAY, ROOM = range(12)
 OPEN = 1e9  # n.h over EDGE at which every gate has opened
-TIGHT = 1e-3  # last step of Newton's method over the speed of the feet; forces err by its square
+TIGHT = 1e-3  # last step of Newton's method over the speed of the feet; the forces' error is its square
 
 
 @called_fast
@@ -62,16 +62,17 @@ def responses(address, rows):
 
 @inlined_fast
 def surface_of(body, axes, way):
-    """Height of a body's origin at a stage's end, where it has moved on its way, and up in its axes."""
+    """Height of a body's origin at a stage's end, and up in its axes, after it has moved by `way`."""
     up, turned = (axes[6], axes[7], axes[8]), (way[3], way[4], way[5])
     return body.height + dot(up, (way[0], way[1], way[2])), plus(up, -1.0, cross(turned, up))
 
 
 @called_fast
 def solution(address, moves, c, rest, y):
-    """Solve (1 - c W dF/dV) y = c W rest by elimination with pivots, for what moves; the rest of y stays 0.
+    """Solve (1 - c W dF/dV) y = c W rest by elimination with pivots, for the rows that can move.
 
-    That takes a quarter of LAPACK's time, and nothing is allocated: arrays cost as much as what is in them.
+    The other rows of y stay 0. This takes a quarter of LAPACK's time, and allocates nothing: creating small
+    arrays costs as much as computing them.
     """
     space = workspace(address)
     a, n = space.system, len(moves)
@@ -135,9 +136,10 @@ def wrenches(address, effects, stage, c):
 def newton(address, stage):
     """Solve v = v0 + c W f, f = F(v), for the near bodies' twists v and wrenches, from f, or count a failure.
 
-    Sand resists motion, so that dv . (F - f) falls along a step dv: a step is cut where it changes its sign,
-    as where a face comes to rest. The size of F - f rises there. It may not fall where a light body leaves
-    the sand within the stage, and there may be several roots: then the depth is that of its beginning.
+    Sand resists motion, so that dv . (F - f) falls along a step dv: a step is cut where this changes its
+    sign, as where a face comes to rest, although |F - f| rises there. Where a light body leaves the sand
+    within the stage, it may not fall, and there may be several roots: a stage that fails is tried again with
+    the depths of its beginning.
     """
     space = workspace(address)
     step, loads = space.step[0], space.room[FORCES]
@@ -154,7 +156,7 @@ def newton(address, stage):
 
 @called_fast
 def solved(address, stage):
-    """Whether Newton's method finds a stage's twists and wrenches, from these."""
+    """Whether Newton's method finds a stage's twists and wrenches, starting from those in the workspace."""
     space = workspace(address)
     step, room = space.step[0], space.room
     n, c = 6 * step.bodies, GAMMA * step.dt
@@ -188,7 +190,7 @@ def solved(address, stage):
             v[i] += share * dv[i]
             load[i] += share * dload[i]
             body = space.bodies[space.chosen[0, i // 6]]
-            wide = body.reach if i % 6 > 2 else 1.0  # makes speeds of twists
+            wide = body.reach if i % 6 > 2 else 1.0  # an angular rate times this is a speed
             speed, change = max(speed, abs(wide * v[i])), max(change, abs(wide * dv[i]))
         if share == 1.0 and change <= TIGHT * speed + 1e-13:
             for i in range(n):
@@ -256,7 +258,7 @@ def prepare(address):
 
 @called_fast
 def predict(address, stage):
-    """Where twists would be at a stage's end of SDIRK2 without its own force."""
+    """The twists at the end of a stage of SDIRK2 without the stage's own force."""
     space = workspace(address)
     step, vectors, room = space.step[0], space.vectors, space.room
     n, r = 6 * step.bodies, (1.0 - GAMMA) * step.dt
@@ -271,7 +273,7 @@ def predict(address, stage):
 
 @called_fast
 def give(address):
-    """Give the mean wrenches of a step, and how the bodies accelerate by them."""
+    """Set the mean wrenches of a step, and the accelerations of the bodies by them."""
     space = workspace(address)
     step, vectors, gained = space.step[0], space.vectors, space.gained[0]
     for i in range(6 * step.bodies):
@@ -287,7 +289,7 @@ def give(address):
 
 
 def lift(address):
-    """Find the height at which the limit force of sinking carries the robot: it grows with the depth."""
+    """Find, by bisection, the height at which the limit force of sinking carries the robot."""
     space = workspace(address)
     step, bodies, high = space.step[0], space.bodies, -np.inf
     for b in range(len(bodies)):

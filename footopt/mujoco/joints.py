@@ -1,4 +1,4 @@
-"""What joints and their servos do to the feet in a time step, as MuJoCo finds it: tables for `step.pulls`."""
+"""Tables of the joints and servos of a MuJoCo model, from which `step.pulls` foresees their forces."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def freedoms(mujoco: Any, model: Any) -> Any:
 
 
 def servos(mujoco: Any, model: Any) -> Any:
-    """The table of `SERVO`: enabled actuators with one input. Others are taken to pull as before."""
+    """The table of `SERVO`: enabled actuators with one input. Others are assumed to pull as before."""
     found, everywhere, each = [], (-np.inf, np.inf), np.arange(model.nu)
     control, output = (getattr(model, f"actuator_{name}adr", each) for name in ("ctrl", "out"))  # since 3.11
     off = model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_ACTUATION
@@ -83,7 +83,7 @@ def servos(mujoco: Any, model: Any) -> Any:
 
 
 def at_joints(model: Any, forces: Array) -> tuple[Array, Array]:
-    """Forces of actuators (steps, actuators) as the ranges of their joints leave them, and their gears."""
+    """Forces of actuators (steps, actuators), limited to the ranges of their joints, and their gears."""
     joints, direct, forces = model.actuator_trnid[:, 0], model.actuator_trntype <= 1, forces.copy()
     gear = np.where(direct, model.actuator_gear[:, 0], 1.0)
     for joint in np.flatnonzero(model.jnt_actfrclimited):

@@ -1,4 +1,4 @@
-"""A robot's model for walks on sand: what touches nothing but sand, and what is measured in every step."""
+"""A robot's model for walks on sand: its feet touch nothing but sand, and sensors measure every step."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ PACKAGE = "pkg://"  # before the name of a package and a path in it
 
 @dataclass(frozen=True)
 class Model:
-    """A compiled model, which is compared by what it holds."""
+    """A compiled model, which is compared by its content."""
 
     digest: str
     compiled: Any = field(compare=False, repr=False)
@@ -34,11 +34,12 @@ class Model:
 
     @classmethod
     def read(cls, source: Any, feet: Sequence[str]) -> Model:
-        """A model that stands on sand; source and feet as of a `Robot`, a mujoco.MjSpec stays as it is.
+        """Compile a model that stands on sand; source and feet as in `Robot`. A mujoco.MjSpec is not changed.
 
-        The feet touch nothing, and floors are taken out of collisions: sand is in their place. Geoms of the
-        feet stay as they are else, with their mass, inertia and looks. Raises `SettingError` if MuJoCo does
-        not compile it, a foot is no body of it, or no joint lets it sink, `MissingError` without MuJoCo.
+        Geoms of the feet, and of everything that is not the robot, such as floors, are taken out of
+        collisions: sand is in their place. They keep their mass, inertia and looks. Raises `SettingError` if
+        MuJoCo does not compile the model, a foot is not a body of it, or no joint lets it sink, and
+        `MissingError` without MuJoCo.
         """
         mujoco = needed("mujoco", "fo.mujoco.Robot", "mujoco")
         what = str(source) if isinstance(source, Path) or "<" not in str(source) else "MJCF"
@@ -56,7 +57,7 @@ class Model:
             for pair in list(spec.pairs):
                 if {parents.get(pair.geomname1), parents.get(pair.geomname2)} & {"world", *feet}:
                     spec.delete(pair)
-            _measure(mujoco, spec, bodies[feet[0]])
+            _add_sensors(mujoco, spec, bodies[feet[0]])
             model = spec.compile()
         except SettingError:
             raise
@@ -71,25 +72,29 @@ class Model:
         content = np.empty(mujoco.mj_sizeModel(model), np.uint8)
         mujoco.mj_saveModel(model, None, content)
         made = cls(hashlib.sha256(content.tobytes()).hexdigest(), model, tuple(feet), mujoco.__version__)
-        _ = made.height_address  # names what it lacks
+        _ = made.height_address  # raises if no joint lets it sink
         return made
 
     @contextmanager
     def data(self, dt: float) -> Iterator[tuple[Any, Any]]:
-        """It with a time step, and data that may have been used: making them takes a twentieth of a walk."""
+        """The model with a time step, and an MjData, reused as making one takes a twentieth of a walk."""
+        import mujoco
+
         model, unused = with_step(self, dt)
         try:
             data = unused.pop()
         except IndexError:
-            data = needed("mujoco", "fo.mujoco.Robot", "mujoco").MjData(model)
+            data = mujoco.MjData(model)
         try:
             yield model, data
         finally:
             unused.append(data)
 
     def wearing(self, foot: Foot, density: float) -> Model:
-        """It with feet of the mass and inertia of a sole with its flat top, of a density, kg/m^3."""
-        mujoco, found = needed("mujoco", "fo.mujoco.Robot", "mujoco"), copy.copy(self.compiled)
+        """A copy whose feet have the mass and inertia of a sole with its flat top, by a density, kg/m^3."""
+        import mujoco
+
+        found = copy.copy(self.compiled)
         area, (x, z), (xx, zz, xz) = moments(foot)
         mean, spread = 0.5 * (xx + zz), math.hypot(0.5 * (xx - zz), xz)
         along, mass = 0.5 * math.atan2(2.0 * xz, xx - zz), density * foot.width * area
@@ -113,7 +118,9 @@ class Model:
     @cached_property
     def height_address(self) -> int:
         """The place in qpos of the robot's height: of a free joint, or of one that slides upward."""
-        mujoco, m, free, slide = needed("mujoco", "fo.mujoco.Robot", "mujoco"), self.compiled, 0, 2
+        import mujoco
+
+        m, free, slide = self.compiled, 0, 2
         mujoco.mj_kinematics(m, data := mujoco.MjData(m))
         root = m.body_rootid[m.body(self.feet[0]).id]
         for joint in np.flatnonzero(m.jnt_bodyid == root):
@@ -128,7 +135,7 @@ class Model:
 
     @cached_property
     def ankles(self) -> Array:
-        """Of each foot the joint that it turns about, else its origin, in its body's axes, (feet, 3), m."""
+        """The joint that each foot turns about, or else its origin, in the body's axes, (feet, 3), m."""
         m, found = self.compiled, np.zeros((len(self.feet), 3))
         for place, name in zip(found, self.feet, strict=True):
             for joint in np.flatnonzero((m.jnt_bodyid == m.body(name).id) & np.isin(m.jnt_type, (1, 3))):
@@ -136,7 +143,7 @@ class Model:
         return found
 
     def chains(self) -> list[list[int]]:
-        """Of each foot the bodies from the root to it."""
+        """The bodies from the root to each foot."""
         m, found = self.compiled, []
         for name in self.feet:
             chain = [int(m.body(name).id)]
@@ -162,7 +169,7 @@ def moments(foot: Foot) -> tuple[float, tuple[float, float], tuple[float, float,
 
 @lru_cache(maxsize=16)
 def with_step(model: Model, dt: float) -> tuple[Any, list[Any]]:
-    """A copy with a time step, and data of it that nobody uses."""
+    """A copy with a time step, and a list of MjData of it that are not in use."""
     found = copy.copy(model.compiled)
     found.opt.timestep = dt
     return found, []
@@ -186,7 +193,7 @@ def _spec(mujoco: Any, source: Any) -> Any:
     return mujoco.MjSpec.from_file(str(path))
 
 
-def _measure(mujoco: Any, spec: Any, foot: Any) -> None:
+def _add_sensors(mujoco: Any, spec: Any, foot: Any) -> None:
     """Add sensors: centre of mass, its velocity, the root's upright axis; actuators' force, speed, place."""
     root = foot
     while root.parent is not None and root.parent.name != "world":

@@ -21,7 +21,7 @@ from footopt.compiled import FAST, Wide, kept
 from footopt.errors import check, needed
 
 NAME, INSTANCE, SIZE = "footopt.sand", "footopt_sand", "size"
-SENSOR = 2  # mjPLUGIN_SENSOR, of a stage that never comes
+SENSOR = 2  # mjPLUGIN_SENSOR; its function does nothing
 
 
 def _pointer(typingctx: Any, address: Any) -> Any:
@@ -34,7 +34,7 @@ def _pointer(typingctx: Any, address: Any) -> Any:
 
 
 def _call(typingctx: Any, function: Any, arguments: Any) -> Any:
-    """Call the function at an address with a tuple of whole numbers: the one that it returns, if it does."""
+    """Call the function at an address with a tuple of whole numbers; returns a whole number, if it does."""
 
     def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         given = cgutils.unpack_tuple(builder, args[1])
@@ -50,7 +50,7 @@ pointer, call = intrinsic(_pointer), intrinsic(_call)
 
 @lru_cache(maxsize=1)
 def library() -> ctypes.CDLL:
-    """MuJoCo's."""
+    """MuJoCo's shared library."""
     folder = Path(needed("mujoco", "footopt.mujoco", "mujoco").__file__).parent
     paths = [p for name in ("libmujoco*.so*", "libmujoco*.dylib", "mujoco.dll") for p in folder.glob(name)]
     return ctypes.CDLL(str(paths[0]))
@@ -63,7 +63,7 @@ def functions(*names: str) -> tuple[int, ...]:
 
 
 def entry(function: Callable[..., Any], *arguments: Any, returns: Any = types.void, keep: bool = True) -> Any:
-    """A function in C, compiled once and kept on disk: what calls it by its address does not compile it."""
+    """A C function, compiled once and cached on disk: code that calls its address does not compile it."""
     options = {"error_model": "numpy", "fastmath": FAST, "_nrt": False}
     made = CFunc(function, (arguments, returns), {}, options, pipeline_class=Wide)
     made = kept(made) if keep else made
@@ -100,7 +100,7 @@ def register() -> tuple[Any, ...]:
 
 
 def remembering(spec: Any, size: int) -> Any:
-    """A specification's model, whose data remember so many numbers; the specification stays as it is."""
+    """The model of a specification, with memory for `size` numbers; the specification is not changed."""
     register()
     own = spec.copy()
     own.activate_plugin(NAME)
@@ -109,7 +109,7 @@ def remembering(spec: Any, size: int) -> Any:
 
 
 def memory(model: Any, data: Any, size: int) -> Array:
-    """Where the sand of data remembers so many numbers: their plugin's state, or else an array of its own."""
+    """Memory of the sand for `size` numbers: the state of the plugin in MjData, or else a new array."""
     mujoco = needed("mujoco", "footopt.mujoco", "mujoco")
     row = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_PLUGIN, INSTANCE)
     if row < 0:

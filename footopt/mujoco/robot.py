@@ -37,8 +37,8 @@ STEP_COST = 100.0  # plates along a sole that take as long as what else is in a 
 class Robot(Simulator):
     """A robot in MuJoCo, whose feet are designed.
 
-    The sole that walks replaces what its feet touch the ground with: a foot's `Foot.ankle` is the hinge of
-    its body, or the origin, with x forward and z up at the start.
+    A designed sole replaces the part of each foot that touches the ground. Its `Foot.ankle` is the hinge of
+    the foot's body, or the body's origin, with x forward and z up at the start.
 
     Parameters
     ----------
@@ -49,24 +49,24 @@ class Robot(Simulator):
         Names of the bodies that are feet.
     controller : Tracker, Commands or callable
         Of its actuators. A function ``controller(model, data)`` sets ``data.ctrl`` once in every time
-        step of the model, however short those of a walk are, from nothing but what it is given.
+        step of the model, however short those of a walk are. It may use nothing but its arguments.
     sand : Sand
         The hard one by default.
     effects : sequence of Effect
         As in a `Scene`.
     duration : float, s, optional
-        Of a walk; by default the controller's.
+        Duration of a walk; by default the controller's.
     after : float, s, optional
-        From when on peaks of power and falls of speed count; by default from its gait's first heel strike on.
+        Time from which on peak power and speed loss count; by default the first heel strike of its gait.
     key : str, optional
-        Name of the keyframe that it starts from; by default the model's own places, with the joints of a
-        `Tracker` at the angles of its beginning. It starts where sand carries its weight.
+        Name of the keyframe that it starts from; by default the model's own pose, with the joints of a
+        `Tracker` at the first angles of its gait. It starts at the height where the sand carries its weight.
     lowest : float
-        It has fallen where its centre of mass is lower than so many times its height at the start.
+        The robot has fallen if its centre of mass is lower than this times its height at the start.
     tilt : float, rad
-        Or where its root is inclined by more, against the start.
+        The robot has also fallen if its root is inclined by more than this, compared with the start.
     density : float, kg/m^3, optional
-        Of soles, whose mass and inertia with a flat top replace those of the feet; by default these stay.
+        Of soles: mass and inertia of a sole with a flat top replace those of the foot; by default these stay.
 
     Raises
     ------
@@ -106,7 +106,7 @@ class Robot(Simulator):
             put(self, "duration", self.controller.duration)
         if self.after is None:
             put(self, "after", self.gait.heel_strike if self.gait else 0.0)
-        known = self.duration is not None and 0.0 < self.duration <= 300.0  # of whose steps all is in memory
+        known = self.duration is not None and 0.0 < self.duration <= 300.0  # all steps are kept in memory
         check(known, "robot.duration", self.duration, "a time > 0 and <= 300, in s", "Are commands in s?")
         allowed = f"a time >= 0 and < {self.duration:g}, robot.duration, in s"
         known, hint = 0.0 <= self.after < self.duration, "Or lengthen robot.duration."
@@ -115,36 +115,36 @@ class Robot(Simulator):
         check(0.0 < self.tilt <= math.pi, "robot.tilt", self.tilt, "an angle > 0 and <= pi, in rad")
         known = self.density is None or 0.0 < self.density <= 1e5
         check(known, "robot.density", self.density, "a number > 0 and <= 1e5, in kg/m^3")
-        if self._told:
-            self.controller.commands(self.model.compiled, np.zeros(1))  # names its faults
+        if self.scripted:
+            self.controller.commands(self.model.compiled, np.zeros(1))  # raises if it does not fit the model
         keys = [self.model.compiled.key(i).name for i in range(self.model.compiled.nkey)]
         known = self.key is None or self.key in keys
         check(known, "robot.key", self.key, f"a keyframe: {', '.join(keys) or 'it has none'}")
 
     @property
-    def _told(self) -> bool:
+    def scripted(self) -> bool:
         """Whether its commands are known before it walks."""
         return not isinstance(self.controller, FunctionController)
 
     @property
     def quantities(self) -> tuple[str, ...]:
-        """What its walks measure."""
+        """Names of what its walks measure."""
         more = {"tracking_error": hasattr(self.controller, "targets"), "weight": self.density is not None}
         return (*MEASURED, *(name for name, measured in more.items() if measured))
 
     @property
     def weight(self) -> float:
-        """Of its bodies, N."""
+        """Weight of its bodies, N."""
         return float(self.model.mass * self.g)
 
     @property
     def title(self) -> str:
-        """Where it walks."""
+        """Its sand and its mass, in a few words."""
         return f"{self.sand.title}, a robot of {self.weight / self.g:.3g} kg"
 
     @property
     def planar(self) -> Scene:
-        """Its sand and effects, and its gravity, as those of a `Scene`."""
+        """A `Scene` with its sand, effects and gravity."""
         walker = Walker(mass=self.weight / self.g, g=self.g)
         return Scene(self.sand, self.gait or Gait.human(), walker, self.duration, tuple(self.effects))
 
@@ -154,7 +154,7 @@ class Robot(Simulator):
         return self.controller.gait if isinstance(self.controller, Tracker) else None
 
     def tracking(self, gait: Gait) -> Robot:
-        """It with another gait that it tracks; times that are not its own are those of the gait."""
+        """A copy that tracks another gait; duration and `after`, unless they were set, follow that gait."""
         old, new = self.controller, replace(self.controller, gait=gait)
         duration = None if self.duration == old.duration else self.duration
         after = None if self.after == old.gait.heel_strike else self.after
@@ -167,21 +167,21 @@ class Robot(Simulator):
 
     @property
     def strikes(self) -> Array:
-        """Heel strikes of a gait that it tracks, s."""
+        """Heel strikes of the gait that it tracks, s; none without one."""
         return self.gait.heel_strikes(self.duration) if self.gait else np.empty(0)
 
     @property
     def stride(self) -> float:
-        """Duration of a stride of that gait, s; of a walk where there is none."""
+        """Duration of a stride of that gait, s; of the walk without one."""
         return self.gait.period if self.gait else self.duration
 
     @property
     def about(self) -> str:
-        """What walks, in a line."""
-        told = type(self.controller).__name__
+        """The robot and its controller, in one line."""
+        control = type(self.controller).__name__
         if self.gait:
-            told = f"servos that track gait {self.gait.name}, stride {self.stride:.4g} s"
-        return f"Robot: {self.model.mass:.3g} kg, feet {', '.join(self.feet)}; {told}"
+            control = f"servos that track gait {self.gait.name}, stride {self.stride:.4g} s"
+        return f"Robot: {self.model.mass:.3g} kg, feet {', '.join(self.feet)}; {control}"
 
     def entry(self) -> dict[str, Any]:
         """What it is, for result.json."""
@@ -197,20 +197,21 @@ class Robot(Simulator):
 
     def own(self) -> tuple[Any, ...]:
         """The controller, if it is a function."""
-        return () if self._told else (self.controller.function,)
+        return () if self.scripted else (self.controller.function,)
 
     @quiet()
     def need_heel_strike(self) -> None:
-        """Raise unless its feet's axes are a sole's, and it gets through its first steps in the air.
+        """Raise unless its walks can be compared.
 
-        A later failure is then caused by the sand.
+        The axes of its feet have to be those of a sole, and its first steps in the air stable: a later
+        failure is then caused by the sand.
         """
         check_axes(self)
         dt, upright = self.model.compiled.opt.timestep, replace(self, lowest=1e-9, tilt=math.pi)
         try:
             found = walk(upright, None, Accuracy(dt=dt), min(200 * dt, self.duration))
         except Exception as error:
-            if self._told:
+            if self.scripted:
                 raise
             why = f"a function of (model, data) that does not fail ({type(error).__name__}: {error})"
             raise SettingError("robot.controller", self.controller.name, why) from error
@@ -244,7 +245,7 @@ class Robot(Simulator):
         self, feet: Sequence[Foot], accuracy: Accuracy, threads: int | None = None, names: Sequence[str] = ()
     ) -> Walked:
         """Walk with some feet."""
-        workers = min(at_once(threads), len(feet)) if self._told else 1
+        workers = min(at_once(threads), len(feet)) if self.scripted else 1
         one = partial(walk, self, accuracy=accuracy, end=self.duration)
         with ThreadPoolExecutor(workers) if workers > 1 else nullcontext() as pool:
             found = list((pool.map if pool else map)(one, feet))
@@ -262,6 +263,6 @@ class Robot(Simulator):
 
 @lru_cache(maxsize=64)
 def _probed(robot: Robot, soles: Any, dt: float, plates: int) -> Walked:
-    """The probes of a space, or some feet: every tolerance climbs from the same rungs."""
+    """Walks of the probes of a space, or of some feet, cached: every tolerance climbs the same rungs."""
     feet = probes(soles) if isinstance(soles, Waypoints) else soles
     return robot.walk(feet, Accuracy(dt=dt, plates=plates))

@@ -1,4 +1,4 @@
-"""One time step of MuJoCo on sand: what a call of the callback means, and what a step begins with.
+"""One time step of MuJoCo on sand: the meaning of a call of the callback, and the beginning of a step.
 
 MuJoCo's Euler and implicit steps move places by the new velocity, which is the leapfrog: velocities belong
 to the middle of steps, and to places half a step back. RK4's belong to the same time.

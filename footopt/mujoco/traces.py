@@ -12,11 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from footopt.arrays import Array
-from footopt.errors import needed
 from footopt.foot import Foot
 from footopt.gait import Pose
 from footopt.mujoco.model import with_step
-from footopt.mujoco.walking import AXES, Found
+from footopt.mujoco.walking import AXES, Outcome
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.results import Walk
 
@@ -67,8 +66,8 @@ class RobotWalk(Walk):
         return np.stack(each, axis=-1).reshape(-1, *traced.shape[1:])
 
 
-def traced(robot: Any, foot: Foot, accuracy: Accuracy, found: Found) -> RobotWalk:
-    """The walk of a robot from what it left."""
+def traced(robot: Any, foot: Foot, accuracy: Accuracy, found: Outcome) -> RobotWalk:
+    """The walk of a robot with its traces, from its outcome."""
     end = len(found.t)
     joints, turned = poses(robot, accuracy.dt, found.states[:end])
     return RobotWalk(
@@ -94,7 +93,8 @@ def traced(robot: Any, foot: Foot, accuracy: Accuracy, found: Found) -> RobotWal
 
 def poses(robot: Any, dt: float, states: Array) -> tuple[Array, Array]:
     """Places of the bodies of each leg, and the feet's pitch, after each step."""
-    mujoco = needed("mujoco", "fo.mujoco.Robot", "mujoco")
+    import mujoco
+
     (model, _), chains = with_step(robot.model, dt), robot.model.chains()
     data, long = mujoco.MjData(model), max(map(len, chains))
     joints = np.empty((len(states), len(chains), long, 2))
@@ -112,14 +112,14 @@ def poses(robot: Any, dt: float, states: Array) -> tuple[Array, Array]:
 
 
 def bristles_in_world(h: Array, turned: Array, plates: int) -> NDArray[np.float32]:
-    """Bristles (T, feet, plates, 2) in x and z, the mean of all lines of plates, of those in feet's axes."""
+    """Bristles (T, feet, plates, 2) in x and z, means over lines of plates, from those in the feet's axes."""
     x, z = (h[:, :, axis].reshape(*h.shape[:2], h.shape[3] // plates, plates).mean(axis=2) for axis in AXES)
     c, s = np.cos(turned)[..., None], np.sin(turned)[..., None]
     return np.stack([c * x - s * z, s * x + c * z], axis=-1).astype(np.float32)
 
 
 class Camera(NamedTuple):
-    """Pictures of a robot: nothing is behind it, nor its feet, in whose place soles are drawn."""
+    """Pictures of a robot without its background and its feet, in whose place soles are drawn."""
 
     picture: Callable[..., Any]  # from a sample, and left, right, low and high of a view, m, to an image
     top: float  # of the robot at the start, m
@@ -128,7 +128,8 @@ class Camera(NamedTuple):
 @contextmanager
 def camera(robot: Any, states: Any) -> Iterator[Camera | None]:
     """A `Camera` for the states of a robot's walk; None without GL."""
-    mujoco = needed("mujoco", "fo.mujoco.Robot", "mujoco")
+    import mujoco
+
     gl: Any = None
     for name in ("egl", "osmesa"):
         with suppress(Exception):  # of PyOpenGL, in many forms, where a library is missing

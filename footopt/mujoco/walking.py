@@ -1,4 +1,4 @@
-"""One walk of a robot in MuJoCo: where it starts, its steps, and what they come to."""
+"""One walk of a robot in MuJoCo: its start, its steps, and its outcome."""
 
 import ctypes
 import math
@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from footopt.arrays import Array
-from footopt.errors import SettingError, check, needed
+from footopt.errors import SettingError, check
 from footopt.foot import Foot
 from footopt.mujoco.attaching import Contact
 from footopt.mujoco.controllers import Tracker
@@ -27,11 +27,11 @@ MEASURED = (*FIVE, "joint_work", "torque", "survival", "maximum_sinkage", "peak_
 HIGH = 100.0  # m, above the sand, for a walk in the air
 SQUARE = 0.5  # cosine of how far the axes of a foot may be from forward and up at the start
 AXES = [0, 2]  # x and z of three
-_LOCK, _quieted = Lock(), list[Any]()  # an entry a walk under way, of which the first knows what was there
+_LOCK, _quieted = Lock(), list[Any]()  # an entry per walk under way; the first has MuJoCo's own settings
 
 
-class Found(NamedTuple):
-    """What a walk leaves: until it fails, if it does."""
+class Outcome(NamedTuple):
+    """The outcome of a walk, up to its failure if it fails."""
 
     totals: dict[str, float]
     reason: str
@@ -46,11 +46,12 @@ class Found(NamedTuple):
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """Of walks that diverge, MuJoCo neither warns nor writes a log: they have a reason.
+    """Keep MuJoCo from warning of walks that diverge, and from writing a log: they have a reason.
 
-    Nor does it look at the clock in every part of a step, which takes a twentieth of a walk.
+    Also keep it from reading the clock in every part of a step, which takes a twentieth of a walk.
     """
-    mujoco = needed("mujoco", "fo.mujoco.Robot", "mujoco")
+    import mujoco
+
     clock = ctypes.c_void_p.in_dll(library(), "mjcb_time")
     with _LOCK:
         _quieted.append((mujoco.get_mju_user_warning(), clock.value))
@@ -66,8 +67,8 @@ def quiet() -> Iterator[None]:
             del _quieted[-1]
 
 
-def walk(robot: Any, foot: Foot | None, accuracy: Accuracy, end: float, traced: bool = False) -> Found:
-    """Walk with a foot, None in the air, to the end, s."""
+def walk(robot: Any, foot: Foot | None, accuracy: Accuracy, end: float, traced: bool = False) -> Outcome:
+    """Walk with a foot until `end`, s; with None in the air."""
     steps, model = max(1, math.ceil(end / accuracy.dt - 1e-9)), robot.model
     if foot and robot.density is not None:
         model = model.wearing(foot, robot.density)
@@ -79,40 +80,41 @@ def walk(robot: Any, foot: Foot | None, accuracy: Accuracy, end: float, traced: 
             data.qpos[height] += HIGH
             states, sensed = stepped(robot, own, data, t)
             counts, sand = {"evaluations": 0, "failures": 0}, np.zeros((steps, len(robot.feet), 6))
-            return judged(robot, t, sensed, sand, states, counts)
+            return outcome(robot, t, sensed, sand, states, counts)
         soles, plates = soles_of(robot, foot), 2 * accuracy.plates
         contact = Contact(own, data, soles, robot.sand, robot.effects, plates, steps + 1, traced)
         try:
             data.qpos[height] += contact.lift(weight)
-            low = "one that carries the robot"
-            check(math.isfinite(data.qpos[height]), "sand.zeta", robot.sand.zeta, low, "Or wider feet.")
+            allowed = "one that carries the robot"
+            check(math.isfinite(data.qpos[height]), "sand.zeta", robot.sand.zeta, allowed, "Or wider feet.")
             states, sensed = stepped(robot, own, data, t)
         finally:
             contact.detach()
-    found = judged(robot, t, sensed, contact.trace[:steps], states, contact.counts)
+    found = outcome(robot, t, sensed, contact.trace[:steps], states, contact.counts)
     bristles = np.stack([contact.bristles(name)[:steps] for name in soles], axis=1)
     return found._replace(bristles=bristles, totals=found.totals | {"weight": weight})
 
 
 def stepped(robot: Any, model: Any, data: Any, t: Array) -> tuple[Array, Array]:
-    """States after steps that begin at some times, and what is measured in them."""
-    mujoco = needed("mujoco", "fo.mujoco.Robot", "mujoco")
+    """States after steps that begin at some times, and what sensors measure in them."""
+    import mujoco
+
     kind = mujoco.mjtState.mjSTATE_FULLPHYSICS
     states = np.empty((len(t), mujoco.mj_stateSize(model, kind)))
     sensed = np.empty((len(t), model.nsensordata))
-    if robot._told:
+    if robot.scripted:
         from mujoco import rollout
 
         mujoco.mj_getState(model, data, states[0], kind)
-        told, first = told_at(robot.controller, robot.model, t.tobytes())[0], states[:1].copy()
-        rollout.rollout(model, data, first, told[None], state=states[None], sensordata=sensed[None])
+        commands, first = commands_at(robot.controller, robot.model, t.tobytes())[0], states[:1].copy()
+        rollout.rollout(model, data, first, commands[None], state=states[None], sensordata=sensed[None])
         return states, sensed
     period, due = robot.model.compiled.opt.timestep, 0
     mujoco.mj_forward(model, data)  # what a controller sees first
     for n in range(len(t)):
         if (passed := int(t[n] / period + 1e-6)) >= due:  # shorter steps are no faster control
             robot.controller.function(model, data)
-            due, wrong = passed + 1, data.ctrl[~np.isfinite(data.ctrl)]  # which MuJoCo would take for 0
+            due, wrong = passed + 1, data.ctrl[~np.isfinite(data.ctrl)]  # MuJoCo would replace them by 0
             check(not len(wrong), "robot.controller", robot.controller.name, "one that sets numbers", "nan?")
         mujoco.mj_step(model, data)
         sensed[n] = data.sensordata
@@ -121,14 +123,15 @@ def stepped(robot: Any, model: Any, data: Any, t: Array) -> tuple[Array, Array]:
 
 
 def posed(robot: Any, model: Any, data: Any) -> Any:
-    """Data of a robot in the pose in which it starts, wherever the sand is."""
-    mujoco = needed("mujoco", "fo.mujoco.Robot", "mujoco")
+    """Data of a robot in the pose in which it starts, at any height."""
+    import mujoco
+
     mujoco.mj_resetData(model, data)
     if robot.key is not None:
         mujoco.mj_resetDataKeyframe(model, data, model.key(robot.key).id)
         data.time = 0.0
     elif isinstance(robot.controller, Tracker):
-        for act, angle in told_at(robot.controller, robot.model, np.zeros(1).tobytes())[1].items():
+        for act, angle in commands_at(robot.controller, robot.model, np.zeros(1).tobytes())[1].items():
             data.qpos[model.jnt_qposadr[model.actuator_trnid[act, 0]]] = angle[0]
     mujoco.mj_kinematics(model, data)
     return data
@@ -136,9 +139,11 @@ def posed(robot: Any, model: Any, data: Any) -> Any:
 
 def check_axes(robot: Any) -> None:
     """Raise unless gravity is down, and the feet's axes are forward and up at the start."""
+    import mujoco
+
     model, (gx, gy, gz) = robot.model.compiled, robot.model.compiled.opt.gravity.tolist()
     check(-gz > abs(gx) + abs(gy), "robot.model", [gx, gy, gz], "of gravity along -z")
-    data = posed(robot, model, needed("mujoco", "fo.mujoco.Robot", "mujoco").MjData(model))
+    data = posed(robot, model, mujoco.MjData(model))
     for name in robot.feet:
         x, _, z = data.body(name).xmat.reshape(3, 3).T
         if x[0] < SQUARE or z[2] < SQUARE:
@@ -147,28 +152,30 @@ def check_axes(robot: Any) -> None:
 
 
 def soles_of(robot: Any, foot: Foot) -> dict[str, Foot]:
-    """A robot's soles by name of the body, whose origin each takes for its ankle."""
+    """The soles of a robot by name of the body, with the ankle at the body's origin."""
     places = [tuple(place) for place in (foot.ankle - robot.model.ankles[:, AXES]).tolist()]
     soles = {place: foot if place == tuple(foot.ankle) else replace(foot, ankle=place) for place in places}
     return {name: soles[place] for name, place in zip(robot.feet, places, strict=True)}
 
 
 @lru_cache(maxsize=32)
-def told_at(controller: Any, model: Model, t: bytes) -> tuple[Array, dict[int, Array]]:
-    """Commands at times, and where a gait's joints should then be, by actuator."""
+def commands_at(controller: Any, model: Model, t: bytes) -> tuple[Array, dict[int, Array]]:
+    """Commands at times, and the angles that a gait demands of joints then, by actuator."""
     of, times = model.compiled, np.frombuffer(t)
     wanted = controller.targets(of, times) if isinstance(controller, Tracker) else {}
     return controller.commands(of, times), wanted
 
 
-def judged(robot: Any, t: Array, sensed: Array, sand: Array, states: Array, counts: dict[str, int]) -> Found:
-    """Objectives of a walk from what was measured at the beginnings of its steps, and at its end."""
+def outcome(
+    robot: Any, t: Array, sensed: Array, sand: Array, states: Array, counts: dict[str, int]
+) -> Outcome:
+    """The outcome of a walk from what sensors measured at the beginnings of its steps, and at its end."""
     model, m, steps = robot.model, robot.model.compiled, len(t) - 1
     own = sensed[:, sensed.shape[1] - 9 - 3 * m.nu :]  # sensors that `Model.read` has added last
     com, velocity, upright = np.split(own[:, :9], 3, axis=1)
     force, speed, place = (own[:, 9 + i :: 3] for i in range(3))
-    anew = np.abs(states[:, 0] - t - t[1]) > 0.5 * t[1]  # MuJoCo begins anew where it is lost
-    lost = ~np.isfinite(com).all(axis=1) | ~np.isfinite(states).all(axis=1) | anew
+    reset = np.abs(states[:, 0] - t - t[1]) > 0.5 * t[1]  # MuJoCo resets a simulation that diverges
+    lost = ~np.isfinite(com).all(axis=1) | ~np.isfinite(states).all(axis=1) | reset
     reason, end = "", steps
     lean = np.einsum("ni,i->n", upright, upright[0])
     down = (com[:, 2] < robot.lowest * com[0, 2]) | (lean < math.cos(robot.tilt))
@@ -201,8 +208,9 @@ def judged(robot: Any, t: Array, sensed: Array, sand: Array, states: Array, coun
             "peak_vertical_force": sand[..., 2].sum(axis=1).max(),
         }
         if isinstance(robot.controller, Tracker):
-            wanted = told_at(robot.controller, model, t.tobytes())[1]
+            wanted = commands_at(robot.controller, model, t.tobytes())[1]
             missed = [place[:, act] - target for act, target in wanted.items()]
             totals["tracking_error"] = np.sqrt(np.mean(np.square(missed))) if missed else 0.0
     found = {name: float(value) for name, value in totals.items()}
-    return Found(found, reason, counts["evaluations"], t[1 : end + 1], com, velocity, sand, states, sand)
+    times, evaluations = t[1 : end + 1], counts["evaluations"]
+    return Outcome(found, reason, evaluations, times, com, velocity, sand, states, bristles=np.empty(0))
