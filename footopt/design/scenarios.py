@@ -56,20 +56,20 @@ class Spread:
     Parameters
     ----------
     zeta : float
-        Of the logarithm of the sand's zeta; the scene's own is the median.
+        Spread of the logarithm of the sand's zeta; the scene's own is the median.
     mass : float
-        Of the logarithm of the walker's mass; the scene's own is the median.
+        Spread of the logarithm of the walker's mass; the scene's own is the median.
     period : float
-        Of the logarithm of the stride's period; the scene's own is the median.
+        Spread of the logarithm of the stride's period; the scene's own is the median.
     stride : float
-        Of the swing of thigh and knee about their means, relative: longer or shorter steps.
+        Spread of the swing of thigh and knee about their means, relative: longer or shorter steps.
     angles : float, deg
-        Of thigh and knee at every phase of the stride: a random mean and random first two
+        Spread of thigh and knee at every phase of the stride, by a random mean and random first two
         harmonics, all with the same variance.
     ankle_x : float, m
-        Of the ankle's place in the foot frame, ahead.
+        Spread of the ankle's place in the foot frame, forward.
     ankle_z : float, m
-        Of the ankle's place in the foot frame, up.
+        Spread of the ankle's place in the foot frame, upward.
 
     Raises
     ------

@@ -36,16 +36,16 @@ class Waypoints:
     H : float, m
         Height of the box, which reaches from -H to 0.
     width : float, m
-        Of the feet; the paper does not give it.
+        Width of the feet; the paper does not give it.
     ankle : (2,), m
         Place of the ankle in the foot frame; the paper does not give it.
     box_tolerance : float
         How far a spline may leave the box [-H, 0] between waypoints before the design is infeasible, in
         units of H; infinity is the paper's choice.
     closed : bool
-        Whether the whole contour feels the sand, not only the sole.
+        Whether the sides and the top of the foot feel the sand, too, not only the sole.
     top : float, m
-        Height of a closed contour's top in the foot frame.
+        Height of the foot's flat top in the foot frame.
 
     Raises
     ------

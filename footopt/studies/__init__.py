@@ -1,4 +1,4 @@
-"""The studies, a question each: their own settings, which others each reads, and all groups' choices."""
+"""The studies: their own settings, which other settings each reads, and the choices of all groups."""
 
 import textwrap
 from collections.abc import Callable, Collection, Mapping
@@ -38,20 +38,22 @@ WORN = tuple(name for name in SPACE if name.partition(".")[2] in get_type_hints(
 SHAPE = ("foot.length", "foot.apex", "foot.upright")
 OUTLINE = tuple(f"foot.{name}" for name in ("path", "units", "scale", "layer", "toe", "origin"))
 
-FEET = "How many random soles are walked."
+FEET = "How many random soles are evaluated."
 VIDEO = "Name of a film of the walk in the run's folder, .gif or .mp4 (needs ffmpeg); null: none."
 
 
 @dataclass
 class SearchSettings(StudySettings):
-    """Settings of studies that search: they keep what they evaluate, and go on where they stopped."""
+    """Settings of studies that search: they store what they evaluate, and resume where they stopped."""
 
     confirm: str | None = setting(
-        FINER, "Preset at which finalists are walked again: finer, the next; null: none, and no other law."
+        FINER,
+        "Preset at which finalists are evaluated again; finer: the next finer one; null: neither that, nor "
+        "under other laws.",
     )
-    finalists: int = setting(20, "How many of the best are walked again; a front whole.")
-    store: str | None = setting(None, "File of designs that runs may share; null: one in the folder.")
-    reuse: bool = setting(False, "Whether to read what other code has walked from the store.")
+    finalists: int = setting(20, "How many of the best are evaluated again; of a front, all.")
+    store: str | None = setting(None, "File of evaluated designs, which runs may share; null: in the folder.")
+    reuse: bool = setting(False, "Whether to use stored designs that other code or machines evaluated.")
     reads = (*SCENE, *ROBOT, *SPACE, "foot.shape", "foot.k", "accuracy", "objective", "solver", "engine")
 
 
@@ -60,15 +62,15 @@ class Optimize(SearchSettings):
     """Search the design space and leave the best foot in every form."""
 
     certify: bool | None = setting(
-        None, "Whether all soles near the best are walked; null: if they are fewer than the search walked."
+        None, "Whether to evaluate all neighbours of the best sole; null: if the search evaluated more soles."
     )
-    details: bool = setting(False, "Whether the closing lines tell everything about the answer.")
+    details: bool = setting(False, "Whether to print the errors of all numbers and the validity, too.")
     laws: float | None = setting(
         0.05,
-        "Share of the search's evaluations for a search under each law, before one for the foot to print, "
-        "which loses least under the worst of them; null: no such foot.",
+        "To find the foot to print, which loses least under the worst law: the share of the search's "
+        "evaluations that is spent under each law; null: no such foot.",
     )
-    start: list[int] | None = setting(None, "Heights of a sole to begin with, or of several in a row.")
+    start: list[int] | None = setting(None, "Heights of a sole to begin with, or of several in one list.")
     video: str | None = setting(None, VIDEO)
     reads = (*SearchSettings.reads, "choose", "foot.block")
 
@@ -77,13 +79,13 @@ class Optimize(SearchSettings):
 class Simulate(StudySettings):
     """Walk with one foot: foot.k, a shape, a drawing, that of a run, or else the flat sole."""
 
-    run: str | None = setting(None, "Folder of the run whose foot is meant, in whose world it walks.")
+    run: str | None = setting(None, "Folder of an earlier run, whose foot is simulated in its scene.")
     video: str | None = setting(None, VIDEO)
     reads = (*SCENE, *ROBOT, "foot", "accuracy", "objective.names")
 
 
 @dataclass
-class Ladder(StudySettings):
+class CostOfAccuracy(StudySettings):
     """The cost of accuracy in a scene: steppers, time steps, plates and presets."""
 
     feet: int = setting(40, FEET)
@@ -95,12 +97,12 @@ class Stability(StudySettings):
     """Which stepper stays stable in which hard case; every case starts from the settings."""
 
     cases: list[str] | None = setting(None, "Names of the cases; null: all.")
-    methods: list[str] | None = setting(None, "Names of the steppers that are tried; null: all.")
+    methods: list[str] | None = setting(None, "Names of the methods: steppers, sdirk2_control; null: all.")
     reads = (*SCENE, *SPACE, *SHAPE, *OUTLINE, "foot.shape", "foot.k", "accuracy")
 
 
 @dataclass
-class Audit(StudySettings):
+class EffectAudit(StudySettings):
     """Which effects a scene calls for: each is turned on alone on random soles of the design space."""
 
     feet: int = setting(40, FEET)
@@ -112,16 +114,16 @@ class Paper(StudySettings):
     """The paper's study from nothing: its figures, and its claims judged one by one."""
 
     cases: list[str] | None = setting(
-        None, "Names of what the paper leaves open, such as foot.apex; null: all; []: none."
+        None, "Choices that the paper leaves open, such as foot.apex; null: all; []: none."
     )
     shape_sand: str = setting("regular", "Sand on which the paper's five shapes walk.")
     peak_power: str = setting(
-        "stance", "When p_max is taken: stance, at any instant of it; single, while one foot stands."
+        "stance", "When p_max counts: stance, at any time; single, only while one foot stands."
     )
     speed_loss: str = setting(
-        "walk", "When dV_x is taken: walk, all of it; window, narrow: 1/4, 1/8 stride about strikes."
+        "walk", "When dV_x counts: walk, always; window, narrow: up to 1/4, 1/8 stride from a heel strike."
     )
-    confirm: str | None = setting("fine", "Accuracy of the walks that claims are measured on.")
+    confirm: str | None = setting("fine", "Accuracy of the walks on which claims are measured.")
     reads = (*WORLD, *SPACE, *SHAPE, "accuracy", "solver")
 
 
@@ -129,13 +131,13 @@ class Paper(StudySettings):
 class Robust(SearchSettings):
     """One foot for three sands, several laws, or drawn scenes, against the specialist of each."""
 
-    scenarios: str = setting("sands", "What one foot is for: sands, laws, or drawn about the scene.")
+    scenarios: str = setting("sands", "What one foot has to suit: sands, laws, or drawn scenes.")
     draws: int = setting(16, "How many scenarios are drawn.")
     measure: str = setting(
         default(RobustProblem, "measure"),
-        "What counts of the loss over the scenarios: worst, mean, or tail (of the worst share).",
+        "Which loss over the scenarios is minimised: worst, mean, or tail (the mean of the worst share).",
     )
-    tail: float = setting(default(RobustProblem, "tail"), "The share of study.measure=tail.")
+    tail: float = setting(default(RobustProblem, "tail"), "Share of the scenarios in study.measure=tail.")
     spread: Any = field(default_factory=SpreadConfig)
 
 
@@ -154,8 +156,8 @@ class Transfer(SearchSettings):
 class Export(StudySettings):
     """The foot of a run as files to make it from; foot.k chooses another of its soles."""
 
-    run: str | None = setting(None, "Folder of the run whose foot is meant.")
-    foot: str = setting("best", "Which of its feet: best, or to_print.")
+    run: str | None = setting(None, "Folder of an earlier run, whose foot is exported.")
+    foot: str = setting("best", "Which foot of the run: best, or to_print.")
     reads = ("foot.k", "foot.block")
 
 
@@ -178,13 +180,13 @@ class Calibrate(StudySettings):
     """zeta from tests with plates or a penetrometer, with its uncertainty, as a sand for other runs."""
 
     tests: str | None = setting(
-        None, "CSV of tests: depth_mm, force_N, area_cm2; if known, angle_deg, direction_deg, repeat."
+        None, "CSV file of tests: depth_mm, force_N, area_cm2; optional: angle_deg, direction_deg, repeat."
     )
     reads = ("sand.name", "sand.coefficients", "sand.table")
 
 
 def searches(study: str) -> bool:
-    """Whether a study keeps what it evaluates and can go on where it stopped."""
+    """Whether a study searches: it stores what it evaluates and can resume where it stopped."""
     return study in STUDIES and issubclass(STUDIES[study][0], SearchSettings)
 
 
@@ -198,14 +200,14 @@ SETTING_OF_GROUP = {
 
 
 def _of_module(name: str) -> Callable[[Any], Any]:
-    """A study that its module asks, which is imported when it is run."""
+    """The function `run` of a study's module, which is imported when it is called."""
     return lambda study: import_module(f"footopt.studies.{name}").run(study)
 
 
 _BUILT_IN = {
-    "optimize": Optimize, "simulate": Simulate, "accuracy": Ladder, "stability": Stability, "effects": Audit,
-    "paper": Paper, "robust": Robust, "transfer": Transfer, "export": Export, "compare": Compare,
-    "validate": Validate, "calibrate": Calibrate,
+    "optimize": Optimize, "simulate": Simulate, "accuracy": CostOfAccuracy, "stability": Stability,
+    "effects": EffectAudit, "paper": Paper, "robust": Robust, "transfer": Transfer, "export": Export,
+    "compare": Compare, "validate": Validate, "calibrate": Calibrate,
 }  # fmt: skip
 STUDIES.update({name: (kind, _of_module(name)) for name, kind in _BUILT_IN.items()})
 
@@ -230,12 +232,12 @@ def choices() -> dict[str, dict[str, Any]]:
 
 
 def bringing(group: str, choice: Any, others: Mapping[str, str]) -> Any:
-    """A choice of a group with which come choices of others, unless these are made otherwise."""
+    """A choice of a group that also selects choices of other groups, unless the user selects other ones."""
     defaults = [{f"override /{name}": one} for name, one in others.items()]
     return {"defaults": defaults, group: choice} if others else choice
 
 
-#: Read for every study: how it is run, not what is asked. A constraint is refused elsewhere.
+#: Settings that every study reads. (`checked` in build.py refuses a constraint where it has no effect.)
 ALWAYS = ("study.name", "plugins", "report", "engine.threads", "constraint")
 
 

@@ -1,4 +1,4 @@
-"""What does accuracy cost in time? The ladder of every stepper in a scene, and the presets on it.
+"""study=accuracy: what accuracy costs in time, for every stepper in a scene, and for the presets.
 
 A few soles climb each stepper's ladder to the tolerance of `fine` (`footopt.walk.ladder`). Other random soles
 walk on all of its rungs: their errors are measured against converged walks, their cost on one thread.

@@ -40,7 +40,7 @@ GROUPS = tuple(field.name for field in fields(Config))
 
 
 def absolute(settings: DictConfig) -> dict[str, Any]:
-    """The settings as plain data, with files where they are, whatever folder they are read from later."""
+    """The settings as plain data with absolute paths, so that they can be read from any folder later."""
 
     def locate(name: str, value: Any) -> Any:
         if isinstance(value, Mapping):
@@ -55,7 +55,7 @@ def absolute(settings: DictConfig) -> dict[str, Any]:
 
 
 def load_plugins(plugins: Sequence[str]) -> None:
-    """Import files of the user's own and modules, which register what they bring: see `load_module`."""
+    """Import the user's files and modules, which register effects, solvers and so on: see `load_module`."""
     good = isinstance(plugins, Sequence) and not isinstance(plugins, str)
     good = good and all(isinstance(plugin, str) for plugin in plugins)
     check(good, "plugins", plugins, "a list of files and modules")
@@ -66,7 +66,7 @@ def load_plugins(plugins: Sequence[str]) -> None:
 def check_trusted(
     folder: Path, settings: Mapping[str, Any], names: Iterable[str], own: Collection[str] = ()
 ) -> None:
-    """Raise if a run's settings name code, or files outside its folder to write; `own` are replaced."""
+    """Raise if a run's settings name code, or files outside its folder to write, unless `own` replace them."""
     there = OmegaConf.create(dict(settings))
     for name in names:
         value = OmegaConf.select(there, name)
@@ -85,7 +85,7 @@ def make_sand(config: SandConfig) -> Sand:
         name = Sand.name if own and config.name in MEDIA else config.name
         return Sand(zeta=config.zeta, stress_map=stress_map, name=name)
     check(stress_map == GENERIC, "sand.table", config.table, "null when sand.coefficients are changed")
-    multiplied = MEDIA.get(config.name) == config.zeta != 1.0  # by a zeta that was not asked for
+    multiplied = MEDIA.get(config.name) == config.zeta != 1.0  # by the zeta that sand=NAME brings
     check(not multiplied, "sand.table", config.table, f"null with sand={config.name}", "Try sand=custom.")
     fitted = read_sand(config.table, zeta=config.zeta)
     return fitted if config.name in (Sand.name, *MEDIA) else replace(fitted, name=config.name)
@@ -145,13 +145,13 @@ def make_foot(config: FootConfig) -> Foot:
 
 
 def make_effects(config: EffectsConfig) -> tuple[Effect, ...]:
-    """The effects that the settings name; what `auto` adds is up to the effect audit."""
+    """The effects that the settings name, without those that an audit adds with `auto`."""
     found = {name: getattr(config, name) for name in EFFECTS}
     return tuple(EFFECTS[name](**vars(given)) for name, given in found.items() if given is not None)
 
 
 def make_scene(config: Config) -> Scene:
-    """What walks, and on which sand: the scene of the settings."""
+    """The scene of the settings."""
     hint = "Name the effects: effects=[leading_edge,inertia]; study=effects says which matter."
     check(not config.effects.auto, "effects.auto", True, f"false for study={config.study.name}", hint)
     return Scene(
@@ -164,7 +164,7 @@ def make_scene(config: Config) -> Scene:
 
 
 def make_simulator(config: Config) -> Simulator:
-    """What walks by the settings: the paper's walker in a scene, or a robot."""
+    """The simulator of the settings: the paper's walker in a scene, or a robot."""
     name, names = config.simulator.name, ("walker", "biped", "robot")
     check(name in names, "simulator.name", name, f"one of {', '.join(names)}")
     if name == "walker":
@@ -212,7 +212,7 @@ def make_problem(config: Config, scene: Simulator) -> FootProblem:
 
 
 def make_accuracy(config: Any) -> AnyAccuracy:
-    """The accuracy of the settings: a preset or a tolerance, and the numbers that are held by hand."""
+    """The accuracy of the settings: a preset or a tolerance, and the parameters that are set by hand."""
     names = (*PRESETS, "custom")
     check(config.name in names, "accuracy.name", config.name, f"one of {', '.join(names)}")
     parts = {name: value for name, value in vars(config).items() if name not in ("name", "tolerance")}
@@ -225,7 +225,7 @@ def make_accuracy(config: Any) -> AnyAccuracy:
 
 
 def check_read(config: Config, overrides: Iterable[str]) -> None:
-    """Raise where an override, a setting or the choice of a group, has no effect; the message says where."""
+    """Raise if an override, of a setting or a group, has no effect; the message says where it has one."""
     study, shape = config.study.name, config.foot.shape
     for override in overrides:
         name, _, text = override.lstrip("+~/").partition("=")
@@ -236,7 +236,7 @@ def check_read(config: Config, overrides: Iterable[str]) -> None:
         one = dot or group in ("effects", "plugins") or not text.startswith("[")  # Hydra merges several
         check(one, given, text, "one name", f"For a run of each: footopt -m {given}={text.strip('[]')}")
         if group == "foot" and shape != "waypoints" and isinstance(config.study, SearchSettings):
-            continue  # the study refuses that foot
+            continue  # `check_searchable` refuses that foot
         name = given if dot else SETTING_OF_GROUP.get(given, f"{given}.name")
         if given == "foot" and shape == "waypoints":
             name = "foot.n"  # a space, which its choice describes
@@ -251,7 +251,7 @@ def check_read(config: Config, overrides: Iterable[str]) -> None:
 
 
 def check_plain(config: Config) -> None:
-    """Raise where a list holds another one, or a table does, which OmegaConf lets through."""
+    """Raise if the items of a list or of a dictionary are lists or dictionaries, which OmegaConf accepts."""
     for name, value, *_ in leaves(config):
         items = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
         nested = any(isinstance(one, (list, dict)) for one in items)

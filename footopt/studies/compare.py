@@ -1,4 +1,4 @@
-"""What did my runs find? Earlier runs side by side, wherever they are."""
+"""study=compare: earlier runs side by side, wherever they are."""
 
 from collections.abc import Sequence
 from pathlib import Path

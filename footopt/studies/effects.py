@@ -27,7 +27,7 @@ from footopt.walk.accuracy import TOLERANCES, AnyAccuracy
 from footopt.walk.ladder import numerics
 from footopt.walk.objectives import relative_change
 
-#: Seconds of this thread alone, whatever else the machine does. Windows counts those by 1/64: too coarse.
+#: Processor time of this thread, s, whatever else the machine does. That of Windows is too coarse (1/64 s).
 own_time = time.perf_counter if os.name == "nt" else time.thread_time
 QUANTILE = 95.0  # of the feet: the change that this share of them does not exceed, as for accuracy, %
 REPEATS = 3  # of the evaluations that are timed

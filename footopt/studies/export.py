@@ -1,4 +1,4 @@
-"""How do I make this foot? The foot of a run that is over, as files for a workshop."""
+"""study=export: the foot of an earlier run as files for a workshop."""
 
 from pathlib import Path
 
@@ -12,7 +12,7 @@ from footopt.report.output import foot_entry
 from footopt.studies.load import foot_of
 from footopt.studies.runs import Study
 
-#: Contents of each file.
+#: What each file contains, by its ending.
 HOLDS = {
     ".csv": "the sole, heel to toe",
     ".dxf": "outline and sole",

@@ -33,7 +33,7 @@ SAME = 1e-6  # relative: processors differ by less
 
 
 def changed_since(result: Mapping[str, Any], walk: Walk) -> list[str]:
-    """That a walk is not the one in a run's result, where the run was of the same: a file has changed."""
+    """A note if the objectives of a walk differ from those in its run's result, as a file has changed."""
     values, before = walk.objectives, result.get("objectives") or {}
     for name in values.keys() & before.keys():
         value, once = values[name], before[name]
@@ -76,7 +76,7 @@ def foot_of(folder: Path, k: list[int] | None = None, which: str = "best") -> Fo
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Run:
-    """A run in its folder, finished or not. Nothing of it is changed; `search` adds to its store."""
+    """A run in its folder, finished or not. It is only read, except that `search` adds to its store."""
 
     folder: Path
     settings: Mapping[str, Any]  # all of them, resolved: what the run is
@@ -90,7 +90,7 @@ class Run:
 
     @cached_property
     def config(self) -> Config:
-        """The settings as what studies take; a `FileError` if this version does not have one of them."""
+        """The settings, with their types; a `FileError` if this version does not have one of them."""
         build.check_trusted(self.folder, self.settings, () if self.trusted else CODE)
         build.load_plugins(self.settings.get("plugins", ()))
         try:
@@ -151,7 +151,7 @@ class Run:
         return self.search().to_frame()
 
     def walk(self, accuracy: AnyAccuracy | str | None = None) -> Walk:
-        """Walk with its foot in its scene, by default as finely as its own numbers were."""
+        """Walk with its foot in its scene, by default at the accuracy of the numbers that it reported."""
         if accuracy is not None:
             return simulate(self.foot, self.scene, accuracy)
         saved = self.result.get("accuracy")
@@ -162,7 +162,7 @@ class Run:
         return walk
 
     def search(self, **budget: int) -> SearchResult:
-        """Its search, from its store: what is missing is walked and kept there; n_gen goes further."""
+        """Its search again, from its store: missing designs are evaluated; `n_gen` or `walks` extends it."""
         config = self.config
         check(config.study.name == "optimize", "study.name", config.study.name, "optimize, to search again")
         problem = build.make_problem(config, self.scene)

@@ -1,4 +1,4 @@
-"""Which foot should I print? Search the design space, and leave the best foot in every form."""
+"""study=optimize: search the design space, and leave the best foot, and the foot to print, in every form."""
 
 import math
 from collections.abc import Sequence
@@ -33,14 +33,14 @@ from footopt.report.output import foot_entry, report_generations
 from footopt.studies.build import make_problem, make_start
 from footopt.studies.effects import choose_effects
 from footopt.studies.runs import Study
-from footopt.studies.simulate import check_files, judged, write_film, write_walk
+from footopt.studies.simulate import check_files, walk_entry, write_film, write_walk
 from footopt.walk import MEASURES, Accuracy, Walk, gain_shares, simulate
 from footopt.walk.checks import Diagnostic
 from footopt.walk.ladder import SHARE, ladder, numerics
 
 
 class Findings(NamedTuple):
-    """What is known of the best foot under other laws; all is empty where it is evaluated under none."""
+    """The best foot under other laws, and the foot to print; all is empty if there are no other laws."""
 
     entry: dict[str, Any]  # in result.json
     ranges: dict[str, list[float]]  # of the best foot's changes from the flat one under the others, by name
@@ -65,9 +65,9 @@ def run(study: Study) -> Any:
     k = result.k[confirmed.designs[0]]
     best = replace(Foot.from_waypoints(k, problem.space), name=f"best of {solver.name}")
     walk = simulate(best, scene, study.finer_accuracy)
-    entry, diagnostics = judged(study, walk, flat, problem.record, chosen)
+    entry, diagnostics = walk_entry(study, walk, flat, problem.record, chosen)
     values, base = entry["objectives"], entry["flat"]
-    laws = _evaluated(study, result, confirmed)
+    laws = _under_laws(study, result, confirmed)
 
     if study.wants_report:
         files.write_csv(study.folder / "designs.csv", result.columns)
@@ -105,8 +105,8 @@ def run(study: Study) -> Any:
     return values
 
 
-def _evaluated(study: Study, result: SearchResult, confirmed: Confirmation) -> Findings:
-    """The best foot, soles that should lose little under every law, and the flat one, under every law."""
+def _under_laws(study: Study, result: SearchResult, confirmed: Confirmation) -> Findings:
+    """Evaluate the best foot, soles that should lose little under every law, and the flat one under each."""
     problem, options, rank, zetas = result.problem, study.options, "", None
     if not (study.wants_report and options.confirm):
         return Findings({"laws": [], "better_than_flat_zeta": None}, {}, rank)
@@ -171,7 +171,7 @@ def _tell(
         *([] if several else [terminal.headline(sought, values[sought], base[sought], laws.ranges)]),
         terminal.objective_table(_role(problem), values, base, under=laws.ranges, told=sought),
         laws.rank + terminal.describe_errors(errors, values),
-        _sentence(result, confirmed, certificate),
+        _about_search(result, confirmed, certificate),
         *laws.printed,
     )
     if study.options.details:
@@ -193,8 +193,8 @@ def _role(problem: FootProblem) -> str:
     return "chosen" if problem.n_obj > 1 else "best"
 
 
-def _sentence(result: SearchResult, confirmed: Confirmation, certificate: Certificate | None) -> str:
-    """How many soles were searched, and what is known of the best one."""
+def _about_search(result: SearchResult, confirmed: Confirmation, certificate: Certificate | None) -> str:
+    """How many soles were evaluated, and what is known of the best one, in a sentence."""
     space, told = result.problem.space, []
     if certificate is not None and certificate.short:
         told.append(certificate.short)
@@ -315,7 +315,7 @@ def _draw(study: Study, result: SearchResult, chosen: int, flat: dict[str, float
 
 
 def _describe_ladder(problem: FootProblem) -> list[str]:
-    """A tolerance in words: its numbers, and what finding them cost; nothing of numbers by hand."""
+    """The parameters for a tolerance, and what finding them cost; nothing if they were set by hand."""
     if isinstance(accuracy := problem.accuracy, Accuracy):
         return []
     numbers, found = ladder(accuracy, problem.scene, problem.space)

@@ -118,10 +118,10 @@ def make_scenarios(config: Config, scene: Simulator) -> tuple[Scenario, ...]:
 
 
 def make_spread(config: Config) -> Spread:
-    """How far the scenarios of the settings lie apart.
+    """The spread of the scenarios by the settings.
 
-    zeta is null for that of the sand; a period or angles that are null are measured: how the strides of the
-    gait's file differ.
+    A null zeta means that of the sand. A null period, or null angles, are measured on the strides of the
+    gait's file.
     """
     values = dict(vars(config.study.spread))
     if values["zeta"] is None:

@@ -1,4 +1,4 @@
-"""Runs: `Study`, one at work, and what may begin or go on in a folder."""
+"""`Study`, a run at work; and the rules by which a run may begin or be resumed in a folder."""
 
 import os
 import shlex
@@ -42,7 +42,7 @@ class Study(Output):
         super().__init__(config.study.name, folder, config.report, settings, overrides)
         self.config, self.options = config, config.study  # all settings, and the study's own
 
-    # the library's objects of the settings, each made when it is first asked for
+    # the objects that the settings describe, each made when it is first used
     scene = cached_property[Scene](lambda self: build.make_scene(self.config))
     simulator = cached_property[Simulator](lambda self: build.make_simulator(self.config))
     accuracy = cached_property[AnyAccuracy](lambda self: build.make_accuracy(self.config.accuracy))
@@ -51,7 +51,7 @@ class Study(Output):
 
     @cached_property
     def finer_accuracy(self) -> AnyAccuracy:
-        """The accuracy that what a search found is walked again at: study.confirm, or the search's own."""
+        """The accuracy at which the best designs are evaluated again: study.confirm, or the search's own."""
         confirm = self.options.confirm
         return confirming(confirm, self.accuracy) if confirm else self.accuracy
 
@@ -77,7 +77,7 @@ class Study(Output):
         return make_executor(self.config.engine.name, self.config.engine.workers)
 
     def store(self, problem: FootProblem) -> Store:
-        """Where designs are kept; see `opened`."""
+        """The store of designs; see `opened`."""
         path, before = self.options.store or self.folder / "designs.sqlite", result_of(self.folder) or {}
         same = before and before["settings"]["study"].get("store") == self.settings["study"].get("store")
         store = opened(self.folder, path, problem, self.options.reuse, bool(same))
@@ -95,7 +95,7 @@ class Study(Output):
 def opened(folder: Path, path: str | Path, problem: FootProblem, reuse: bool, own: bool) -> Store:
     """A run's store; a `FootoptError` if others would replace a finished run's result.
 
-    `own` says whether the store is that in which the run has left its designs.
+    `own` says whether it is the store in which the finished run left its designs.
     """
     store = Store(path, problem, reuse)
     other = store.foreign or (store.nearest if own and type(problem) is FootProblem else [])
@@ -108,7 +108,7 @@ def opened(folder: Path, path: str | Path, problem: FootProblem, reuse: bool, ow
 
 
 def check_resumable(folder: Path, before: Mapping[str, Any], after: Mapping[str, Any]) -> None:
-    """Raise unless a run may go on: only `CHANGEABLE` settings differ, and a search becomes longer."""
+    """Raise unless a run may be resumed: only `CHANGEABLE` settings differ, and no budget is smaller."""
     if not (found := result_of(folder)):
         return
     changed = changed_settings(files.plain(before), found["settings"])
@@ -137,11 +137,11 @@ def run_study(
     overrides: Sequence[str] = (),
     resumed: bool = False,
 ) -> Any:
-    """Run the study that the settings name, in a folder where it leaves what it finds.
+    """Run the study that the settings name, in a folder to which it writes its results.
 
-    `settings` are those of `config` as plain data: what the run is; `overrides` those of the command line. A
-    `resumed` run goes on with what is in the folder. Returns the values of the study's foot by
-    name; raises a `SettingError` if settings do not go together, `Occupied` if the folder is another's.
+    `settings` are those of `config` as plain data, which identify the run; `overrides` those of the command
+    line. A `resumed` run continues with what is in the folder. Returns the values of the study's foot by
+    name. Raises a `SettingError` if settings contradict each other, `Occupied` if the folder has another run.
     """
     at_once(config.engine.threads)
     config = build.checked(config, overrides)
@@ -161,10 +161,10 @@ def run_study(
 def in_world_of_run(
     settings: Mapping[str, Any], default: Mapping[str, Any], given: Sequence[str]
 ) -> dict[str, Any]:
-    """Settings with the foot and the world of the run that study.run names, but for those that are given.
+    """Settings with the foot and the world of the run that study.run names, except for those that are given.
 
-    The accuracy is that of the run's own numbers. `given` are the names of settings and groups on the command
-    line; what differs from `default` has been given, too.
+    The accuracy is the one at which that run reported its numbers. `given` are the names of settings and
+    groups on the command line; settings that differ from `default` count as given, too.
     """
     run = identity.read(Path(settings["study"]["run"]).expanduser(), "run").settings
     loaded = {Path(one).name for one in settings["plugins"]}

@@ -26,7 +26,7 @@ from footopt.report.terminal import described
 from footopt.sand import Sand, StressMap
 from footopt.walk import MEASURES, Accuracy, Walker
 
-#: How much a run leaves, from result.json, contour.csv and what it is resumed from up to figures as PDF.
+#: How much a run writes: from result.json, contour.csv and its store only, up to figures as PDF.
 REPORTS = ("none", "light", "full", "print")
 
 
@@ -46,11 +46,11 @@ def setting(value: Any, meaning: str | type) -> Any:
 
 
 class Setting(NamedTuple):
-    """A setting of a run, and what is said of it and of its group."""
+    """A setting of a run, with its meaning and that of its group."""
 
     name: str  # in full
     default: Any
-    meaning: str | type  # a class: in its docstring
+    meaning: str | type  # a class: its docstring has the meaning
     of_group: str | type
 
     @property
@@ -64,12 +64,12 @@ class Setting(NamedTuple):
 
     @property
     def group(self) -> str:
-        """The group that it is in."""
+        """The name of its group."""
         return self.name.partition(".")[0]
 
 
 def leaves(group: Any, name: str = "", of_group: str | type = "") -> Iterator[Setting]:
-    """All settings of a group, in their order; one without a meaning has that of its group."""
+    """All settings of a group, in order; a setting without a meaning gets that of its group."""
     for each in fields(group):
         value, path = getattr(group, each.name), f"{name}{each.name}"
         meaning = each.metadata.get("meaning", of_group)
@@ -80,7 +80,7 @@ def leaves(group: Any, name: str = "", of_group: str | type = "") -> Iterator[Se
 
 
 def settings_class(kind: type, null: Collection[str] = (), given: Mapping[str, Any] | None = None) -> Any:
-    """The fields and defaults of a frozen dataclass of the library, as one to change.
+    """A dataclass with the fields and defaults of a frozen one of the library, which can be changed.
 
     `null` names fields that may be null; `given` has fields that are not as in the dataclass.
     """
@@ -94,7 +94,7 @@ def settings_class(kind: type, null: Collection[str] = (), given: Mapping[str, A
 
 SpaceConfig: Any = settings_class(Waypoints)
 SolverConfig: Any = settings_class(Solver)
-#: zeta is null for that of the sand; a period or angles that are null are those of the strides.
+#: A null zeta means that of the sand; null period or angles mean those of the recorded strides.
 SpreadConfig: Any = settings_class(Spread, ("zeta", "period", "angles"), {"zeta": setting(None, Spread)})
 BY_HAND = {f.name: setting(None, Accuracy) for f in fields(Accuracy) if f.name != "name"}
 BY_HAND["tolerance"] = setting(None, "Takes the cheapest accuracy within this relative error.")
@@ -105,10 +105,10 @@ AccuracyConfig: Any = settings_class(Accuracy, BY_HAND, BY_HAND)
 class StudySettings:
     """Settings of a study, a class of its own in its module, with the other settings that it reads."""
 
-    name: str = setting("", "The question.")
+    name: str = setting("", "Name of the study.")
     #: Groups and single settings that the study reads besides its own.
     reads: ClassVar[tuple[str, ...]] = ()
-    #: Choices of other groups that come with it, unless others are made.
+    #: Choices of other groups that the study selects, unless the user selects other ones.
     brings: ClassVar[Mapping[str, str]] = {}
 
     def __post_init__(self) -> None:
@@ -116,8 +116,7 @@ class StudySettings:
         self.name = self.name or next(own, "optimize")
 
 
-#: Studies by name: the settings of each, and the function that is called with a `Study`. Each module adds
-#: its own, and so does a plugin.
+#: Studies by name: the settings of each, and the function that is called with a `Study`. Plugins add theirs.
 STUDIES: dict[str, tuple[type[StudySettings], Callable[[Any], Any]]] = {}
 
 
@@ -125,9 +124,9 @@ STUDIES: dict[str, tuple[type[StudySettings], Callable[[Any], Any]]] = {}
 class SandConfig:
     """The sand: zeta scales the generic stress map, or nine coefficients, or a table of stresses."""
 
-    name: str = setting(Sand.name, "For tables and legends.")
+    name: str = setting(Sand.name, "Name, for tables and legends.")
     zeta: float = setting(Sand.zeta, "Scale of the stress map on the Earth; 1 is the generic material.")
-    spread: float = setting(Spread.zeta, "What is not known of zeta: a standard deviation of its logarithm.")
+    spread: float = setting(Spread.zeta, "Uncertainty of zeta: the standard deviation of its logarithm.")
     coefficients: Any = setting(settings_class(StressMap), "In N/cm^3; Bm11, Cm11: the (-1, 1) terms.")
     table: str | None = setting(None, "File of measured stresses, to which nine coefficients are fitted.")
 
@@ -137,17 +136,17 @@ NamesConfig = make_dataclass("NamesConfig", [(name, str | None, None) for name i
 
 @dataclass
 class GaitConfig:
-    """The gait: the built-in human walk, or a file, whose own period null is."""
+    """The gait: the built-in human walk, or one from a file."""
 
     name: str = setting("human", "human, or file.")
     path: str | None = setting(None, "File of a leg's angles: CSV, MOT or STO.")
-    period: float | None = setting(Gait.period, "Of a stride, s; null: the file's own.")
-    harmonics: int = setting(default(Gait.human, "harmonics"), "Of the Fourier series of each joint.")
+    period: float | None = setting(Gait.period, "Duration of a stride, s; null: that of the file.")
+    harmonics: int = setting(default(Gait.human, "harmonics"), "Harmonics of each joint's Fourier series.")
     pitch: str = setting(Gait.pitch, "How the foot turns: with the shank, or as measured.")
     start: float = setting(Gait.start, "When the walker begins to walk, s; .inf: never.")
-    side: str | None = setting(None, "right or left; null: right, or left if it is the only one.")
+    side: str | None = setting(None, "Leg to read: right, left; null: right, or left if it is the only one.")
     window: list[float] | None = setting(None, "Begin and end of a stride in the file, s; null: all strides.")
-    names: Any = setting(NamesConfig, "The file's name of this column; null: a usual one.")
+    names: Any = setting(NamesConfig, "Name of this column in the file; null: one of the usual names.")
 
 
 @dataclass
@@ -155,16 +154,16 @@ class FootConfig(SpaceConfig):  # type: ignore[misc]  # made of Waypoints' field
     """The foot: a space of `Waypoints` (and one sole k in it, to simulate), a shape, or a drawing."""
 
     shape: str = setting("waypoints", "Which sole: waypoints, one of the five shapes, or outline, a drawing.")
-    k: list[int] | None = setting(None, "Heights of one sole, to walk with it.")
+    k: list[int] | None = setting(None, "Heights of one sole, to simulate it.")
     length: float = setting(default(Foot.shape, "length"), "Contact length of a shape, m.")
     apex: str = setting(default(shapes.reversed_triangle, "apex"), "The triangle's apex: middle, toe.")
     upright: str = setting(default(shapes.reversed_l, "upright"), "Where the L's upright is: toe, heel.")
     path: str | None = setting(None, "File of a sole: DXF, SVG or CSV.")
-    units: str | None = setting(None, "Of the file: mm, cm, m, in, ft, pt or px; null: as the file says.")
+    units: str | None = setting(None, "Unit of the file: mm, cm, m, in, ft, pt, px; null: as it says itself.")
     scale: float = setting(default(read_foot, "scale"), "Multiplies all lengths of the file.")
-    layer: str | None = setting(None, "Of the file; null: SOLE if there is one, else all.")
+    layer: str | None = setting(None, "Layer or group that is read; null: SOLE if there is one, else all.")
     toe: str = setting(default(read_foot, "toe"), "Where the toe is in the file: right, or left.")
-    origin: str = setting(default(read_foot, "origin"), "Of the foot frame: file, or centre of its box.")
+    origin: str = setting(default(read_foot, "origin"), "Origin of the foot frame: file, or centre of the box.")
     block: list[float] | None = setting(None, "Length and height of a mounting block on the body, m.")
 
 
@@ -172,7 +171,7 @@ class FootConfig(SpaceConfig):  # type: ignore[misc]  # made of Waypoints' field
 class EffectsConfig:
     """Effects beyond the plain law, whichever there are."""
 
-    auto: bool = setting(False, "Whether to simulate the effects that matter.")
+    auto: bool = setting(False, "Whether to find and add the effects that matter.")
     tolerance: float | None = setting(None, "Relative change that matters to auto; null: the accuracy's.")
 
 
@@ -193,9 +192,9 @@ def _effects_class(known: tuple[tuple[str, type], ...]) -> Any:
 
 @dataclass
 class SceneConfig:
-    """How long the walk lasts; null is two strides after the start."""
+    """The scene: how long the walk lasts."""
 
-    name: str = setting("walk", "For tables.")
+    name: str = setting("walk", "Name of the scene.")
     t_f: float | None = setting(None, "End of the walk, s; null: two strides after the start.")
 
 
@@ -214,7 +213,7 @@ class RobotConfig:
     feet: list[str] = setting(default(Robot, "feet"), Robot)
     controller: str | None = setting(None, "FILE.py:FUNCTION, or a CSV; null: servos track the gait.")
     joints: dict[str, str] | None = setting(
-        None, "That track it: {JOINT: left_hip, OTHER: -right_knee}; null: by these names"
+        None, "Joints that track the gait: {JOINT: left_hip, OTHER: -right_knee}; null: by these names."
     )
     duration: float | None = setting(None, Robot)
     after: float | None = setting(None, Robot)
@@ -247,9 +246,9 @@ def no_limits() -> Any:
 
 @dataclass
 class EngineConfig:
-    """Where designs are evaluated: see `footopt.design.make_executor`; threads are of this process."""
+    """Where designs are evaluated: see `footopt.design.make_executor`."""
 
-    name: str = setting(default(make_executor, "name"), "Where designs are walked: local, processes.")
+    name: str = setting(default(make_executor, "name"), "Where designs are evaluated: local, processes.")
     threads: int | None = setting(None, "Threads of this process; null: all processors.")
     workers: int | None = setting(None, "Processes, with engine=processes; null: as many as processors.")
 
@@ -277,7 +276,7 @@ class Config:
     objective: ObjectiveConfig = field(default_factory=ObjectiveConfig)
     choose: ChooseConfig = field(default_factory=ChooseConfig)
     constraint: Any = setting(
-        no_limits, "Limit: the largest of what is minimised, the smallest of what is maximised; null: none."
+        no_limits, "Largest value allowed, or smallest of what is maximised; null: no limit."
     )
     solver: Any = field(default_factory=SolverConfig)
     engine: EngineConfig = field(default_factory=EngineConfig)
@@ -287,10 +286,10 @@ class Config:
 PATHS = ("foot.path", "gait.path", "robot.controller", "robot.model", "sand.table", "study.store",
          "study.run", "study.runs", "study.tests", "plugins")  # fmt: skip
 
-#: Settings by which a folder could have code run that nobody asked for, and files that a run writes.
+#: Settings of a folder that may name code to run, and files to write: `check_trusted` refuses them.
 CODE, WRITTEN = ("plugins", "robot.controller"), ("study.store", "study.video")
 
-#: Settings that may change when a run goes on: how long, where and with what it ends, not what is searched.
+#: Settings that may change when a run is resumed: its budget, where it runs and what it writes.
 CHANGEABLE = (
     "solver.n_gen", "solver.walks", "solver.seconds", "engine", "report", "choose", "study.confirm",
     "study.finalists", "study.store", "study.certify", "study.reuse", "study.video", "study.details",
@@ -315,7 +314,7 @@ def structured(settings: Mapping[str, Any]) -> Any:
 
 
 def everything() -> Config:
-    """The default settings, with those of all effects."""
+    """The default settings, with all effects on, so that their parameters are among them."""
     return Config(effects=replace(no_effects(), **{n: each() for n, each in EFFECTS.items()}))
 
 
@@ -331,7 +330,7 @@ def known() -> dict[str, Setting]:
 
 
 def chosen(group: str, choice: Any) -> dict[str, Any]:
-    """The settings of a group of which one is chosen, by their full names: all else is as by default."""
+    """The settings of a group with one of its choices, by their full names; the others are the defaults."""
     given = {name: setting.default for name, setting in known().items() if name.startswith(f"{group}.")}
     return given | {f"{group}.name": choice}
 

@@ -1,4 +1,4 @@
-"""How does this foot walk? One sole through one scene, with traces, figures and files."""
+"""study=simulate: one sole through one scene, with traces, figures and files."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -41,7 +41,7 @@ def run(study: Study) -> Any:
         level = Foot.flat(foot.space or make_space(study.config.foot))
         flat = walk if level == foot else simulate(level, scene, accuracy)
     names = tuple(dict.fromkeys((*walk.objectives, *study.config.objective.names)))
-    entry, diagnostics = judged(study, walk, flat, names, chosen)
+    entry, diagnostics = walk_entry(study, walk, flat, names, chosen)
     values, base = entry["objectives"], entry["flat"]
     strides = make_strides(study.config.gait)
     read = [] if strides is None else [*strides.notes]
@@ -85,10 +85,10 @@ def _undefined(walk: Walk, values: Mapping[str, float]) -> list[str]:
     return [f"There is no value of {', '.join(names)}: {why}."]
 
 
-def judged(
+def walk_entry(
     study: Study, walk: Walk, flat: Walk, names: Sequence[str], chosen: Mapping[str, Any]
 ) -> tuple[dict[str, Any], list[Diagnostic]]:
-    """A walk in result.json: its numbers, those of the flat sole, their errors and validity; and the latter.
+    """A walk in result.json, with errors, validity, and the flat sole's values; and its diagnostics.
 
     `chosen` are the effects that an audit chose.
     """
@@ -113,9 +113,9 @@ def judged(
 
 
 def write_walk(study: Study, walk: Walk, walks: Mapping[str, Walk]) -> list[str]:
-    """Leave a walk's traces, its foot for the workshop, and figures of `walks` by name, if wanted.
+    """Write a walk's traces, its foot for the workshop, and figures of `walks` by name, if wanted.
 
-    Returns what is to be said of the files for the workshop.
+    Returns notes on the files for the workshop.
     """
     if not study.wants_report:
         write_foot(walk.foot, study.folder / "contour.csv")
@@ -137,7 +137,7 @@ def write_walk(study: Study, walk: Walk, walks: Mapping[str, Walk]) -> list[str]
 
 
 def check_files(study: Study, foot: Foot) -> None:
-    """Raise a `SettingError` before anything is walked: foot.block is not on a foot, or no study.video."""
+    """Raise a `SettingError`, before any walk, if foot.block does not fit, or study.video cannot be made."""
     if study.config.foot.block is not None:
         body_outline(foot, study.config.foot.block)
     if study.options.video is not None:

@@ -1,7 +1,7 @@
-"""study=stability: which stepper stays stable where? Hard cases, each with every method, judged by numbers.
+"""study=stability: hard cases, each simulated with every stepper, and judged by physical criteria.
 
-The judge is physics, not looks: energy is accounted for, the sand gives none beyond what smoothing allows, a
-walker that stands still stays, and a refined walk says what the right answer is.
+The energy balance closes, the sand supplies no energy beyond what smoothing allows, a standing walker does
+not move, and the objectives are those of a refined walk.
 """
 
 import math
@@ -165,10 +165,10 @@ def judge_case(
 def find_truth(
     foot: Foot, scene: Scene, accuracy: Accuracy, given: Mapping[str, Any], limit: float
 ) -> tuple[Walk, Measure]:
-    """Refine a walk until steps, plates and creep speed each change it little, but for what is given of them.
+    """Refine a walk until steps, plates and creep speed each change it little, except for those `given`.
 
-    A walker that stands keeps its creep speed, which is the law that it sinks by; its bristles are a tenth as
-    long. `limit` is that of the error of an objective. The measure is what refinement still changes.
+    A walker that stands keeps its creep speed, which determines how it sinks; its bristles are a tenth as
+    long. `limit` is that of the error of an objective. The measure is what a further refinement changes.
     """
     if stands_still(scene):
         effects: tuple[Any, ...] = scene.effects
@@ -224,7 +224,7 @@ def compare(walk: Walk, truth: Walk, limit: float) -> list[Measure]:
 
 
 def _standing(walk: Walk) -> list[Measure]:
-    """In the second half of standing only the law itself lets the walker move, and the load is the weight."""
+    """Measures of the second half of standing: the walker may move only as the law lets it sink."""
     half = 0.5 * walk.t[-1]
     late = walk.t > half
     weight = walk.scene.walker.mass * walk.scene.gravity[1]  # what of it presses on the sand

@@ -47,7 +47,7 @@ class Walker:
     Parameters
     ----------
     mass : float, kg
-        Of the whole walker, M.
+        Mass of the whole walker, M.
     l1 : float, m
         Length of a thigh.
     l2 : float, m
