@@ -7,9 +7,10 @@ from typing import Any, Self
 import numpy as np
 
 from footopt.arrays import Array, Ints
+from footopt.effects.base import Reshape
 from footopt.effects.hull import filled
 from footopt.errors import check
-from footopt.foot.plates import RULES, Fill, Plates, along_arc
+from footopt.foot.plates import RULES, Plates, along_arc
 from footopt.foot.shapes import SHAPES
 from footopt.foot.waypoints import Waypoints, check_dimensions, check_length, heights_text
 
@@ -152,7 +153,7 @@ class Foot:
             return np.asarray(self.space.points(self.k, steps * parts)[0])
         return along_arc(self.contour, steps, parts)
 
-    def plates(self, plates: int, rule: str = "arc", fill: Fill | None = None) -> Plates:
+    def plates(self, plates: int, rule: str = "arc", fill: Reshape | None = None) -> Plates:
         """Cut the sole into plates, (1, plates); see `as_plates`."""
         return as_plates([self], plates, rule, fill)
 
@@ -211,7 +212,7 @@ def as_feet(feet: Any, space: Waypoints | None = None) -> Sequence[Foot]:
 
 
 def as_plates(
-    feet: Sequence[Foot], plates: int, rule: str, fill: Fill | None = None, turns: bool = True
+    feet: Sequence[Foot], plates: int, rule: str, fill: Reshape | None = None, turns: bool = True
 ) -> Plates:
     """The plates of feet.
 

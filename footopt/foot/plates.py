@@ -1,14 +1,11 @@
 """From a contour to plates, at equal steps along its arc."""
 
-from collections.abc import Callable
 from typing import NamedTuple, Self
 
 import numpy as np
 
 from footopt.arrays import Array
 from footopt.compiled import cached_njit
-
-Fill = Callable[[Array], Array]  # what an effect makes of soles (designs, points, 2), m
 
 #: How plates are laid on a contour; each name's number of chords that a plate averages over.
 #: "chord": a plate is the chord between neighbours, as in the paper. "arc": a plate has the mean
