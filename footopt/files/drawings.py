@@ -1,4 +1,4 @@
-"""Lines of drawings and tables (DXF, SVG, CSV): their units, and how pieces become one."""
+"""Lines of drawings and tables (DXF, SVG, CSV): their units, and how pieces are joined."""
 
 import logging
 import re

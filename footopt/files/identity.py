@@ -65,7 +65,7 @@ def write(folder: Path, settings: Mapping[str, Any], overrides: Sequence[str]) -
 
 
 def missing_file_error(folder: Path, file: str) -> str:
-    """Why a folder without a file is none of a run."""
+    """Why a folder is not that of a run: a file is missing, or the folder itself."""
     return f"it has no {file}" if folder.is_dir() else "there is no such folder"
 
 
@@ -95,7 +95,7 @@ def result_of(folder: Path) -> Mapping[str, Any] | None:
 
 
 def finished(result: Mapping[str, Any] | None) -> bool:
-    """Whether a run with such a result has one, and was not stopped before its last generation."""
+    """Whether a run has a result, and was not interrupted before its last generation."""
     return result is not None and not result.get("interrupted", False)
 
 
@@ -127,7 +127,7 @@ def changed_settings(one: Any, other: Any, name: str = "") -> list[str]:
 
 
 def claim_folder(folder: Path, settings: Mapping[str, Any], overrides: Sequence[str]) -> None:
-    """Leave what a run is in its folder; `Occupied` by a finished run, or by what another one has left."""
+    """Write a run's identity to its folder; `Occupied` if a finished run, or another's files, are there."""
     other = "Choose another hydra.run.dir."
     if finished(result_of(folder)):
         raise Occupied(f"{folder}: holds a run that is finished; footopt resume=... extends it. {other}")

@@ -25,7 +25,7 @@ Table = dict[str, list[str]]  # cells of a table by its columns
 
 
 def read_bytes(path: str | Path, setting: str) -> bytes:
-    """The content of a file, which `setting` names; `FileError` if it cannot be read, or is empty."""
+    """The content of a file that `setting` names; `FileError` if it cannot be read, or is empty."""
     try:
         content = Path(path).read_bytes()
     except (OSError, ValueError) as error:  # a path with a NUL in it is a ValueError
@@ -53,7 +53,7 @@ def read_json_file(path: str | Path, setting: str) -> Any:
 
 
 def parse_table(text: str) -> Table:
-    """The table in a text with a header: commas, semicolons, tabs or spaces stand between its cells.
+    """The table in a text with a header, whose cells are separated by commas, semicolons, tabs or spaces.
 
     Lines that begin with # are left out. Raises `Unusable` if a row has more or fewer cells than the header.
     """
@@ -72,7 +72,7 @@ def parse_table(text: str) -> Table:
 
 
 def numbers(table: Table, name: str) -> Array:
-    """A column as numbers (rows,); raises `Unusable` if one is none."""
+    """A column as numbers (rows,); raises `Unusable` if a cell is not a number."""
     found = np.empty(len(table[name]))
     for i, cell in enumerate(table[name]):
         try:
@@ -91,12 +91,12 @@ def read_columns(
     optional: Mapping[str, float] | None = None,
     label: str = "",
 ) -> tuple[dict[str, Array], list[str], list[str]]:
-    """Columns of numbers in a CSV file (see `parse_table`), each (rows,), by name; one of words; other names.
+    """Columns of a CSV file (see `parse_table`): numbers (rows,) by name; one of words; names of the others.
 
-    `units` says in which unit each column is that there must be, `optional` the value of any other one where
-    it is missing; words are empty where the column `label` is missing. A name may be written as in
-    "Depth [mm]" or "Force (N)". Raises `FileError` if the file cannot be read, lacks a column, or holds
-    something that is no number.
+    `units` has the required columns with their units, `optional` further ones with the values that they have
+    if they are missing, and `label` is the column of words, which are empty if it is missing. Names may be
+    written as in "Depth [mm]" or "Force (N)". Raises `FileError` if the file cannot be read, lacks a column,
+    or has a cell that is not a number.
     """
     text = read_text(path, setting)
     with naming(path, setting):
@@ -124,9 +124,9 @@ def _plain(name: str) -> str:
 
 
 def load_module(name: str, setting: str) -> ModuleType:
-    """Import a module, or a Python file, whose folder joins the module path, also that of worker processes.
+    """Import a module, or a Python file, whose folder is added to the module path, in worker processes too.
 
-    A `SettingError` says that it is not there, fails, or has the name of another module.
+    Raises a `SettingError` if it is not there, fails, or has the name of another module.
     """
     path = Path(name).absolute()
     is_file = path.suffix == ".py"
@@ -146,8 +146,8 @@ def load_module(name: str, setting: str) -> ModuleType:
 
 @contextmanager
 def write_whole(path: Path) -> Iterator[Path]:
-    """A path to write to: it replaces the file at the end; an error leaves the file as it was."""
-    new = path.with_name(f".{path.stem}.new{path.suffix}")  # one that a killed run has left is replaced
+    """A path to write to, which replaces the file at the end; an error leaves the file as it was."""
+    new = path.with_name(f".{path.stem}.new{path.suffix}")  # that of a killed run is replaced
     try:
         new.unlink(missing_ok=True)
         yield new

@@ -20,8 +20,8 @@ from footopt.foot import Foot
 READERS = {".dxf": read_dxf, ".svg": read_svg, ".csv": read_table}
 MAX_COORDINATE = 1e6  # m; no drawing has a point farther from its origin
 LENGTH_RANGE = (5e-3, 0.6)  # of a sole, m; anything else is a mistake in the units, as cm for inches
-MAX_HOLE = 0.5  # of an outline's length; a larger line inside it may be the sole itself
-LISTED = 5  # of a drawing's lines, in a message
+MAX_HOLE = 0.5  # of an outline's length: a larger line inside it may be the sole itself
+LISTED = 5  # lines of a drawing that a message lists
 
 
 def read_foot(
@@ -97,7 +97,7 @@ def lines_of(path: Path, units: str | None = None, scale: float = 1.0) -> list[L
 
 
 def the_line(lines: Sequence[Line], layer: str | None = None) -> tuple[Line, tuple[str, ...]]:
-    """The one line of a drawing, its pieces joined, or the outline with all others for holes; and notes."""
+    """The one line of a drawing, its pieces joined, or the outline if all others are its holes; and notes."""
     layers = sorted({line.layer for line in lines})
     if layer is None and SOLE in layers:
         layer = SOLE

@@ -12,11 +12,11 @@ from footopt.gait import HARMONICS, Fourier
 PERIOD_RANGE = (0.2, 5.0)  # of a stride, s: a sprinter's is 0.45; anything else is a mistake in the units
 MIN_AUTOCORRELATION = 0.8  # least autocorrelation that is a period
 PEAK_MARGIN = 0.1  # below the largest autocorrelation; the first lag that has as much is one stride, not two
-MOST_OF_WINDOW = 0.6  # that a period may be of a window that is to hold one stride
-WIDEST = 0.26  # of a stride, between two rows
-MAX_GAP = 5.0  # deg that thigh and knee may differ by at the ends of a stride
-MAX_DEVIATION = 6.0  # deg rms that a stride may differ by from the mean of all
-MAX_STRIKE_PHASE = 0.1  # of a stride; a heel strike that is farther inside is where it ought to begin
+MOST_OF_WINDOW = 0.6  # share of a window for one stride; with a shorter period, the window holds several
+WIDEST = 0.26  # share of a stride: largest gap between two rows
+MAX_GAP = 5.0  # deg by which thigh and knee may differ at the ends of a stride
+MAX_DEVIATION = 6.0  # deg rms by which a stride may differ from the mean of all
+MAX_STRIKE_PHASE = 0.1  # of a stride: where the heel strikes later, the stride is shifted to begin there
 LEAST_LOOP = -0.15  # of the ranges of thigh and knee, what their loop encloses; in walks it is 0.3 to 0.75
 ANGLES = ("thigh", "knee")
 #: The range of a walker's joints, deg; a table in other units or with other columns leaves it.

@@ -1,4 +1,4 @@
-"""Tables in files: a sand's measured stresses, and the commands of a robot, or a function that gives them."""
+"""A sand from a table of stresses, and a robot's controller from a table of commands or a function."""
 
 from pathlib import Path
 from typing import Any

@@ -20,7 +20,7 @@ from footopt.walk import Walk
 FRAMES = 2000  # of a GIF, at most: they are in memory until it is written, about a megabyte each
 WIDEST = 3.0  # times its height: a longer walk is followed by the camera
 CLOSE, ASPECT = 0.8, 0.28  # the close-up: its width, m, and its height by its width
-LONGEST = 0.06  # arrow there, m
+LONGEST = 0.06  # longest arrow in the close-up, m
 
 
 def check_film(path: str | Path, setting: str = "path") -> Path:
@@ -95,8 +95,8 @@ def times(walk: Walk, fps: float, speed: float) -> Array:
 def scene_of(walk: Walk, t: Array, speed: float, camera: Any = None) -> tuple[Any, Callable[[int], None]]:
     """A figure, and a function that moves the walker in it to the i-th of some times, s.
 
-    Above is the walker, in pictures of a `Walk.camera` if there is one, with the whole force on each foot,
-    below its feet, close, with the forces along them.
+    The upper panel shows the walker, in pictures of a `Walk.camera` if there is one, with the whole force on
+    each foot; the lower one a close-up of its feet with the forces along the soles.
     """
     stage = Stage(walk, t)
     left, right, low, high = stage.limits

@@ -1,4 +1,4 @@
-"""`Output`: what a run prints, and what it leaves in its folder: result.json, figures, tables, a page."""
+"""`Output`: what a run prints, and what it writes to its folder: result.json, figures, tables, a page."""
 
 import math
 import threading
@@ -31,16 +31,16 @@ Step = Callable[..., None]
 
 
 class Output:
-    """A console and the folder of a run of a study: what is wanted there (`report`), and what the run is."""
+    """The console and the folder of a run of a study, with the settings that identify the run."""
 
     def __init__(
         self, study: str, folder: Path, report: str, settings: Mapping[str, Any], overrides: Sequence[str]
     ) -> None:
         self.study, self.folder, self.report = study, folder, report
         self.settings, self.overrides = settings, overrides
-        self.foreign: list[str] = []  # how the code differs that has walked some of its designs
+        self.foreign: list[str] = []  # how other code differs that evaluated some of its designs
         self.wants_figures = report in ("full", "print")
-        self.wants_report = report != "none"  # more than what was found: page, tables, traces, bodies
+        self.wants_report = report != "none"  # page, tables, traces and bodies, beside the numbers
         self.console = terminal.console()
         self._began = time.perf_counter()
         self._captions: dict[str, str] = {}
@@ -57,7 +57,7 @@ class Output:
 
     @contextmanager
     def progress(self, total: int, unit: str) -> Iterator[Step]:
-        """Show how far a block is, on a terminal: it calls the `Step` that it gets after each unit."""
+        """Show a progress bar on a terminal; the block calls the `Step` that it gets after each unit."""
         rest = Column(ratio=1, no_wrap=True, overflow="ellipsis")
         columns = (
             TextColumn(unit + " {task.completed:.0f}/{task.total:.0f}"),
@@ -86,7 +86,7 @@ class Output:
         files.write_csv(self.folder / name, dict(zip(header, zip(*rows, strict=True), strict=True)))
 
     def save(self, name: str, figure: Any, caption: str = "") -> None:
-        """Save a figure, or what a function draws, as PNG if wanted, PDF to print, SVG with a caption."""
+        """Save a figure, or what a function draws, if wanted: PNG, also PDF to print, SVG with a caption."""
         if not self.wants_figures:
             return
         from footopt.report import figures
@@ -97,7 +97,7 @@ class Output:
             self._captions[name] = caption
 
     def write_result(self, content: Mapping[str, Any]) -> dict[str, Any]:
-        """Write result.json, the content between the study's name and how it was made; returns it all."""
+        """Write result.json: the content, with the study's name, settings, versions and times; returns it."""
         known = [MEASURES[name] for name in content.get("objectives", ()) if name in MEASURES]
         kinds = {"units": {o.name: o.unit for o in known}, "maximise": {o.name: o.maximise for o in known}}
         record = {
@@ -124,7 +124,7 @@ class Output:
         content: Mapping[str, Any],
         summary: Sequence[str | Text] = (),
     ) -> None:
-        """Write result.json and report.html, then print the tables, the summary, and where all is.
+        """Write result.json and report.html, then print the tables, the summary, and the folder.
 
         `content` is the study's own part of result.json, `summary` what follows from the tables, a paragraph
         each.
@@ -138,7 +138,7 @@ class Output:
         self.close()
 
     def close(self, todo: str = "") -> None:
-        """Print the last line: where the run has left what it found, and what to do with it."""
+        """Print the last line: the folder with the results, and what to do next."""
         todo = f": open report.html{todo and f', {todo}'}" if self.wants_report else ""
         line = f"Everything is in {self.folder} ({self.seconds:.3g} s in all){todo}"
         self.console.print(line, soft_wrap=True)  # no line break in what is to be copied

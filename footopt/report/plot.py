@@ -1,4 +1,4 @@
-"""An object as a drawing on matplotlib Axes.
+"""`plot`: an object drawn on matplotlib Axes.
 
 Kinds of objects are found by their class's name, so that a sand is drawn without loading the optimiser.
 """

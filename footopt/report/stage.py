@@ -1,4 +1,4 @@
-"""The stage: the walker on the sand at instants of a walk, in matplotlib; stage.js is the page's own."""
+"""`Stage`: the walker on the sand at instants of a walk, in matplotlib; report.html has stage.js for that."""
 
 import math
 from collections.abc import Sequence
@@ -46,7 +46,7 @@ def groups(count: int) -> tuple[Ints, Ints]:
 
 
 def resultant(at: Array, force: Array) -> tuple[Array, Array]:
-    """The whole force on each foot and its place, of and as `forces_along`, with one part.
+    """The whole force on each foot and its place, from the result of `forces_along`, and in its form.
 
     The place is the mean of the parts' places, weighted by their forces; NaN for a foot without a force.
     """
@@ -57,7 +57,7 @@ def resultant(at: Array, force: Array) -> tuple[Array, Array]:
 
 
 def ground(scene: Scene) -> dict[str, list[dict[str, Any]]]:
-    """Layers of a scene and its patches, which go through them, as strips, and gravity on a slope."""
+    """Strips of sand: the layers of a scene, and its patches, which cross them; and gravity on a slope."""
     strata = [layer for effect in scene.effects for layer in effect.strata]
     whole = [(0.0, strata[0][0] if strata else FAR, 1.0), *strata]
     strips = [

@@ -28,7 +28,7 @@ from footopt.report.page.file import column, packed
 from footopt.report.style import save
 from footopt.report.terminal import console, doubtful, span, table
 
-ROOM, COLUMN, RANGE = 26, 10, 16  # letters of its first and last column, and of each between
+ROOM, COLUMN, RANGE = 26, 10, 16  # letters: first and last column together, one objective, the other laws
 SEED = "solver.seed"
 #: Settings that do not change which problem is searched.
 OUTSIDE_PROBLEM = ("solver.", "engine.", "study.", "choose.", "report", "plugins", "accuracy.")
@@ -69,7 +69,7 @@ class Row:
 
     @property
     def doubt(self) -> str:
-        """Says so where another law turns the sign of the gain."""
+        """A remark if another law changes the sign of the gain, or ""."""
         return doubtful(self.gains[0], self.gains[1:]) if self.gains else ""
 
 

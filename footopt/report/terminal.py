@@ -110,7 +110,7 @@ def objective_table(
 
 
 def span(name: str, changes: Sequence[float]) -> str:
-    """The range of relative changes."""
+    """The range of relative changes of an objective, in words."""
     if not (known := [c for c in changes if math.isfinite(c)]):
         return "-"
     ends = min(known), max(known)
@@ -120,7 +120,7 @@ def span(name: str, changes: Sequence[float]) -> str:
 
 
 def doubtful(own: float, changes: Sequence[float]) -> str:
-    """Says so where the scene's own relative change and those under other laws differ in sign."""
+    """A remark if the relative changes by the scene's own law and by others differ in sign, or ""."""
     return "sign not certain" if any(own * c < 0.0 for c in changes) else ""
 
 

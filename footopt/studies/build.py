@@ -66,7 +66,7 @@ def load_plugins(plugins: Sequence[str]) -> None:
 def check_trusted(
     folder: Path, settings: Mapping[str, Any], names: Iterable[str], own: Collection[str] = ()
 ) -> None:
-    """Raise if a run's settings name code, or files outside its folder to write, unless `own` replace them."""
+    """Raise if a run's settings name code, or write outside its folder; `own` names settings not used."""
     there = OmegaConf.create(dict(settings))
     for name in names:
         value = OmegaConf.select(there, name)

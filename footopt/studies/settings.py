@@ -163,7 +163,7 @@ class FootConfig(SpaceConfig):  # type: ignore[misc]  # made of Waypoints' field
     scale: float = setting(default(read_foot, "scale"), "Multiplies all lengths of the file.")
     layer: str | None = setting(None, "Layer or group that is read; null: SOLE if there is one, else all.")
     toe: str = setting(default(read_foot, "toe"), "Where the toe is in the file: right, or left.")
-    origin: str = setting(default(read_foot, "origin"), "Origin of the foot frame: file, or centre of the box.")
+    origin: str = setting(default(read_foot, "origin"), "Foot frame's origin: file, or centre of its box.")
     block: list[float] | None = setting(None, "Length and height of a mounting block on the body, m.")
 
 

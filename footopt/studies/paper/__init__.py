@@ -1,7 +1,7 @@
-"""The paper's study from nothing: search the feet, draw the figures, measure and judge the claims.
+"""study=paper: search the paper's feet, draw its figures, measure and judge its claims.
 
-claims.toml has each claim in words, and which numbers of walks are its margin: positive where it holds, NaN
-where a walk that it needs failed.
+claims.toml has each claim in words, and the numbers of walks from which its margin is computed: positive
+where the claim holds, NaN where a walk that it needs failed.
 """
 
 import tomllib
@@ -38,7 +38,7 @@ Numbers = Mapping[str, Any]  # of a walk, by name; NaN where it failed
 Walks = Mapping[str, Numbers]  # of the walks of `evidence`, by their names; "shapes": of the five together
 Names = Sequence[str]
 
-#: Numbers that stand in for the paper's words; none was moved to turn a verdict.
+#: Numbers in place of the paper's words; none was tuned to change a verdict.
 LIMITS = {
     "marked_loss": 0.1,  # m/s, speed lost at a switch that counts as marked: a tenth of the normal speed
     "normal_speed": 1.0,  # m/s (the paper: "around 1 m/s")
@@ -89,7 +89,7 @@ def run(study: Study) -> None:
 def judge(margin: float, changed: Mapping[str, float]) -> dict[str, Any]:
     """Judge a claim by its margin at the settings and with each open choice made otherwise.
 
-    It depends on the choices that turn it. A margin that is NaN, of a walk that failed, turns nothing.
+    It depends on the choices that change its verdict. A NaN, the margin of a walk that failed, changes none.
     """
     turned = [name for name, m in changed.items() if isfinite(m + margin) and (m > 0.0) != (margin > 0.0)]
     holds, fails, depends, undecided = VERDICTS
@@ -191,15 +191,15 @@ def of_traces(walk: Walk) -> dict[str, Any]:
     }
 
 
-def of_first_step(walk: Walk, instants: int = 100) -> dict[str, float]:
-    """Numbers of the first step: how it pushes, and the part of the sole in the sand, mean over instants."""
+def of_first_step(walk: Walk) -> dict[str, float]:
+    """Numbers of the first step: how it pushes, and the part of the sole in the sand, from 100 instants."""
     found = stance(walk)
     if found is None:
         return {}
     step = slice(found.first, found.last + 1)
     t, lasts = walk.t[step] - walk.t[found.first], np.diff(walk.t, prepend=0.0)[step]
     impulse = np.maximum(walk.force[step, RIGHT, 0], 0.0) * lasts
-    states = walk.plates(found.first + np.searchsorted(t, np.linspace(0.0, t[-1], instants)))
+    states = walk.plates(found.first + np.searchsorted(t, np.linspace(0.0, t[-1], 100)))
     x = walk.foot.plates(walk.accuracy.plates, walk.accuracy.rule).x[0] + walk.foot.ankle[0]
     heel, toe = walk.foot.contour[:, 0].min(), walk.foot.contour[:, 0].max()
     middle = np.abs(x - 0.5 * (toe + heel)) <= (toe - heel) / 6.0
@@ -224,7 +224,7 @@ def parting(walks: Walks) -> float:
 def margin(
     walks: Walks, of: Names, numbers: Names, above: Names = (), below: Names = (), scale: float = 1.0
 ) -> float:
-    """How far numbers of the walks `of` are above, or below, those of others or a limit, at the least."""
+    """The least lead of numbers of the walks `of` over those of others, or a limit, `above` or `below`."""
 
     def values(names: Names, number: str) -> Array:
         found = [walks[name][number] if name in walks else LIMITS.get(name, name) for name in names]

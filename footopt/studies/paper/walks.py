@@ -40,7 +40,7 @@ CHOICES: dict[str, list[Any]] = yaml.safe_load((files(__package__) / "choices.ya
 
 
 def changed(config: Config, choice: str, value: Any) -> Config:
-    """The settings with one of them changed, or one more effect; those given are left alone."""
+    """A copy of the settings with one of them changed, or one more effect."""
     if choice == "effects":
         choice, value = f"effects.{value}", EFFECTS[value]()
     group, name = choice.split(".")
@@ -48,7 +48,7 @@ def changed(config: Config, choice: str, value: Any) -> Config:
 
 
 def changes(config: Config) -> Iterator[tuple[str, Config]]:
-    """Yield the configuration with each open choice made otherwise, one at a time, as "choice=level"."""
+    """Yield the settings with each open choice made otherwise, one at a time, named "choice=level"."""
     for choice in CHOICES if config.study.cases is None else config.study.cases:
         check(choice in CHOICES, "study.cases", choice, f"some of {', '.join(CHOICES)}")
         group, _, name = choice.partition(".")
@@ -60,7 +60,10 @@ def changes(config: Config) -> Iterator[tuple[str, Config]]:
 
 @contextmanager
 def objective(study: Paper) -> Iterator[str]:
-    """Name of J_W with p_max and dV_x as they are read, within the block; another one needs every trace."""
+    """A measure of J_W, by its name, with p_max and dV_x as the settings read them; it exists in the block.
+
+    Any reading but the default needs the traces of every walk.
+    """
     own, name = OBJECTIVES["efficiency"], "efficiency"
     if (study.peak_power, study.speed_loss) != ("stance", "walk"):
         name = f"efficiency_{study.peak_power}_{study.speed_loss}"
@@ -131,7 +134,7 @@ def evidence(config: Config, found: dict[str, list[int]]) -> dict[str, Walk]:
     scenes = {sand: replace(scene, sand=Sand.named(sand)) for sand in SANDS}
 
     def best(sand: str) -> Foot:
-        with objective(study) as name:  # one that is read from samples is as exact as claims are measured on
+        with objective(study) as name:  # a measure of samples needs the accuracy of the claims
             finely = accuracy if name == "efficiency" else confirm
             problem = FootProblem(scenes[sand], name, space, finely, config.engine.threads)
             key = digest([key_of(problem), plain(space), plain(solver)])
