@@ -3,7 +3,7 @@
 // --- one step: footopt/walk/newton.py, steppers/implicit.py -----------------------------------------
 
 const spare = new Float64Array(7);
-const implicit = { vx: 0, vz: 0, force: new Float64Array(14), turning: null };
+const implicit = { vx: 0, vz: 0, force: new Float64Array(14), reversal: null };
 
 /** Mean speed of a foot's plates, |P| / |F|: longer where it carries little of the force on both feet. */
 function meanSpeed(F, o, both) {
@@ -17,7 +17,7 @@ function directionOf(plate, vx, vz) {
   return [x * rate, z * rate, rate];
 }
 
-/** The hip's velocity with a direction w; (vx, vz) where no foot turns over, or it slides. */
+/** The hip's velocity with a direction w; (vx, vz) where no motion reverses, or the foot slides. */
 function velocityOf(plate, x, z, vx, vz) {
   const square = x * x + z * z, { inside } = P.accuracy;
   if (!plate || square > inside * inside) return [vx, vz];
@@ -32,8 +32,8 @@ function halfWay(plate, vx, vz, toX, toZ) {
   return [0.5 * (x + endX), 0.5 * (z + endZ)];
 }
 
-/** The plate of the foot that turns over between two velocities of the hip: that with the smaller w half-way. */
-function turningPlate(sole, poses, p, z, vx, vz, toX, toZ, creep) {
+/** The plate of the foot whose motion reverses between two velocities of the hip: that with the smaller w half-way. */
+function reversingPlate(sole, poses, p, z, vx, vz, toX, toZ, creep) {
   let found = null, least = Infinity;
   for (const foot of [0, 1]) {
     const plate = deepestPlate(sole, poses, p, foot, creep), [wx, wz] = halfWay(plate, vx, vz, toX, toZ), size = wx * wx + wz * wz;
@@ -50,11 +50,11 @@ function stepped(plate, vx, vz, dvx, dvz) {
 }
 
 /** Velocity V of an implicit stage, V = v0 + c a(r0 + c V, V), by Newton's method from a guess; whether it was found. */
-function solveStage(W, sole, poses, p, x0, z0, vx0, vz0, c, vx, vz, turning) {
+function solveStage(W, sole, poses, p, x0, z0, vx0, vz0, c, vx, vz, reversal) {
   const { newton, most, shortest, inside, gated, creep } = P.accuracy, F = implicit.force, inv = c / W.mass, { tilt, g } = P.gravity;
-  let best = Infinity, dvx = 0, dvz = 0, part = 1, side = 1, plate = turning && deepestPlate(sole, poses, p, turning.foot, creep);
+  let best = Infinity, dvx = 0, dvz = 0, part = 1, side = 1, plate = reversal && deepestPlate(sole, poses, p, reversal.foot, creep);
   if (plate && z0 + c * vz + plate.height >= 0) plate = null;
-  if (plate) [vx, vz] = velocityOf(plate, turning.x, turning.z, vx, vz);
+  if (plate) [vx, vz] = velocityOf(plate, reversal.x, reversal.z, vx, vz);
   const smooth = smoothSpeed(sole, Math.min(Math.abs(poses[p + 6]), Math.abs(poses[p + 13])), creep);
   let bestX = vx, bestZ = vz;
   for (let i = 0; i < most; i++) {
@@ -75,7 +75,7 @@ function solveStage(W, sole, poses, p, x0, z0, vx0, vz0, c, vx, vz, turning) {
         implicit.vx = vx + dvx;
         implicit.vz = vz + dvz;
         const [wx, wz] = plate ? directionOf(plate, implicit.vx, implicit.vz) : [1, 0];
-        implicit.turning = wx * wx + wz * wz > inside * inside ? null : { foot: plate.foot, x: wx, z: wz };
+        implicit.reversal = wx * wx + wz * wz > inside * inside ? null : { foot: plate.foot, x: wx, z: wz };
         for (const o of [0, 7]) { // carried along the last step, to first order
           F[o] += F[o + 3] * dvx + F[o + 4] * dvz;
           F[o + 1] += F[o + 5] * dvx + F[o + 6] * dvz;
@@ -85,7 +85,7 @@ function solveStage(W, sole, poses, p, x0, z0, vx0, vz0, c, vx, vz, turning) {
       [dvx, dvz] = [part * dvx, part * dvz];
       [vx, vz] = stepped(plate, vx, vz, dvx, dvz);
     } else if (!plate) { // half-way in w
-      plate = turningPlate(sole, poses, p, z0 + c * vz, bestX, bestZ, vx, vz, creep);
+      plate = reversingPlate(sole, poses, p, z0 + c * vz, bestX, bestZ, vx, vz, creep);
       const [x, z] = halfWay(plate, bestX, bestZ, vx, vz);
       [vx, vz] = velocityOf(plate, x, z, 0.5 * (bestX + vx), 0.5 * (bestZ + vz));
       best = Infinity;
@@ -117,19 +117,19 @@ function sdirk2(W, sole, poses, p, now, after, h) {
   const { gamma } = P.accuracy, c = gamma * h, r = (1 - gamma) * h, { x, z, vx, vz } = now;
   const ax = accelX(W, now.force), az = accelZ(W, now.force);
   after.sums.set(now.sums);
-  if (!solveStage(W, sole, poses, p, x, z, vx, vz, c, vx + c * ax, vz + c * az, now.turning)) return false;
+  if (!solveStage(W, sole, poses, p, x, z, vx, vz, c, vx + c * ax, vz + c * az, now.reversal)) return false;
   const ux = implicit.vx, uz = implicit.vz, bx = accelX(W, implicit.force), bz = accelZ(W, implicit.force);
   accumulate(after.sums, r, z + c * uz, ux, uz, implicit.force);
   const x1 = x + r * ux, z1 = z + r * uz;
   // the guess follows the change of acceleration so far, to the end of the step
   const guessX = ux + r * (bx + (bx - ax)), guessZ = uz + r * (bz + (bz - az));
-  const solved = solveStage(W, sole, poses, p + 14, x1, z1, vx + r * bx, vz + r * bz, c, guessX, guessZ, implicit.turning);
+  const solved = solveStage(W, sole, poses, p + 14, x1, z1, vx + r * bx, vz + r * bz, c, guessX, guessZ, implicit.reversal);
   after.vx = implicit.vx;
   after.vz = implicit.vz;
   after.x = x1 + c * implicit.vx;
   after.z = z1 + c * implicit.vz;
   after.force.set(implicit.force);
-  after.turning = implicit.turning;
+  after.reversal = implicit.reversal;
   accumulate(after.sums, c, after.z, implicit.vx, implicit.vz, implicit.force);
   return solved;
 }
@@ -177,7 +177,7 @@ const TRACE = 13, EVERY = 2; // steps: forces along soles cost as much as one of
 /** Walk with plates: why it failed, its raw results, rows of `TRACE` numbers, and the forces along both soles at some of their times. */
 function walkPlates(sole, zeta, mass, dt = P.accuracy.dt, repeat = 0) {
   const W = world(zeta, mass), { times, finest, tables, poses, pose0 } = motion(dt), { control } = P.accuracy;
-  let [now, after] = [0, 1].map(() => ({ x: 0, z: 0, vx: 0, vz: 0, force: new Float64Array(14), sums: new Float64Array(4), turning: null }));
+  let [now, after] = [0, 1].map(() => ({ x: 0, z: 0, vx: 0, vz: 0, force: new Float64Array(14), sums: new Float64Array(4), reversal: null }));
   const { parts, of } = groups(sole.x.length), most = (times.length - 1) << finest, rows = new Float64Array(TRACE * most);
   const when = [], arrows = new Float64Array(4 * parts * (Math.ceil(most / EVERY) + 1));
   const height = staticHeight(W, sole, pose0), strike = P.strike ?? Infinity;
