@@ -229,7 +229,7 @@ def _bytes(rows: Array | Ints, kind: str) -> list[bytes]:
 
 def key_of(problem: FootProblem) -> dict[str, Any]:
     """All that determines what is recorded of a design, in JSON's types; the box's tolerance does not."""
-    space = plain(problem.space)
+    space = typed_json(problem.space)
     del space["box_tolerance"]
     stepper = STEPPERS[problem.accuracy.stepper].parameters
     scenes = [scenario.scene for scenario in getattr(problem, "scenarios", ())] or [problem.scene]
@@ -242,10 +242,10 @@ def key_of(problem: FootProblem) -> dict[str, Any]:
         digests[name] = digests.get(name, "") + digest * (digest not in digests.get(name, ""))
     return {
         "problem": type(problem).__name__,
-        **{name: plain(value) for name, value in problem.conditions.items()},
-        "accuracy": plain(problem.accuracy),
+        **{name: typed_json(value) for name, value in problem.conditions.items()},
+        "accuracy": typed_json(problem.accuracy),
         "space": space,
-        "record": plain(problem.record),
+        "record": typed_json(problem.record),
         # the files of a user's own objectives, effects, stepper and problem
         "own": digests,
         "versions": _versions(),
@@ -284,22 +284,22 @@ def _versions() -> dict[str, str]:
     return found | {"sources": digest}  # an edit of footopt's own does not change its version
 
 
-def plain(value: Any) -> Any:
-    """Frozen data in JSON's types, with its class, by the fields that it is compared by; arrays, scalars."""
+def typed_json(value: Any) -> Any:
+    """Frozen data in JSON's types: objects by their class and the fields they compare; arrays, scalars."""
     if dataclasses.is_dataclass(value):
         names = [field.name for field in dataclasses.fields(value) if field.compare]
-        return {"class": type(value).__name__} | {name: plain(getattr(value, name)) for name in names}
+        return {"class": type(value).__name__} | {name: typed_json(getattr(value, name)) for name in names}
     if isinstance(value, tuple) and hasattr(value, "_asdict"):
-        return {"class": type(value).__name__} | plain(value._asdict())
+        return {"class": type(value).__name__} | typed_json(value._asdict())
     if isinstance(value, (list, tuple)):
-        return [plain(item) for item in value]
+        return [typed_json(item) for item in value]
     if isinstance(value, dict):
-        return {str(key): plain(item) for key, item in value.items()}
+        return {str(key): typed_json(item) for key, item in value.items()}
     if isinstance(value, np.ndarray):
         kind = f"ndarray {value.dtype}"
         return {"class": kind, "shape": list(value.shape), "items": value.ravel().tolist()}
     if isinstance(value, np.generic):
-        return plain(value.item())
+        return typed_json(value.item())
     if value is None or isinstance(value, (bool, int, float, str)):
         return value
     raise TypeError(f"a {type(value).__name__} cannot be part of a store's key")
@@ -315,19 +315,19 @@ def digest(content: Any) -> str:
     return hashlib.sha256(canonical(content).encode()).hexdigest()
 
 
-def flat(content: Any, name: str = "") -> dict[str, Any]:
+def by_full_name(content: Any, name: str = "") -> dict[str, Any]:
     """Nested content by its full names; a list is a value, unless it is one of mappings."""
     if isinstance(content, list) and content and isinstance(content[0], Mapping):
         content = dict(enumerate(content))
     if not (isinstance(content, Mapping) and content):
         return {name: content}
-    parts = (flat(value, f"{name}.{key}" if name else str(key)) for key, value in content.items())
+    parts = (by_full_name(value, f"{name}.{key}" if name else str(key)) for key, value in content.items())
     return {full: value for part in parts for full, value in part.items()}
 
 
 def differences(there: Any, here: Any) -> list[str]:
     """Names that differ between two keys, each with both values."""
-    one, other = flat(there), flat(here)
+    one, other = by_full_name(there), by_full_name(here)
     names = [name for name in sorted(one | other) if one.get(name) != other.get(name)]
     told = [[shortened(str(of.get(n)), 20) for of in (one, other)] for n in names]
     return [f"{n} ({a} there, {b} here)" for n, (a, b) in zip(names, told, strict=True)]

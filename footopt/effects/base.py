@@ -101,9 +101,9 @@ def name_of(effect: Effect) -> str:
     return next((name for name, kind in EFFECTS.items() if isinstance(effect, kind)), type(effect).__name__)
 
 
-def parameters(effect: Effect) -> dict[str, Any]:
+def parameters(effect: Any) -> dict[str, Any]:
     """An effect's parameters by name."""
-    return asdict(effect) if is_dataclass(effect) else {}
+    return asdict(effect)
 
 
 def ordered(effects: Sequence[Effect]) -> tuple[Effect, ...]:

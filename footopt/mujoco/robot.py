@@ -46,7 +46,7 @@ class Robot(Simulator):
         Its MJCF or URDF as a file (``pkg://PACKAGE/FILE`` for one in a package that is installed), MJCF as
         text, or a specification; by default a planar biped of 60 kg.
     feet : sequence of str
-        Names of the bodies that are feet.
+        Names of the bodies that are feet: of two, the left one first.
     controller : Tracker, Commands or callable
         Of its actuators. A function ``controller(model, data)`` sets ``data.ctrl`` once in every time
         step of the model, however short those of a walk are. It may use nothing but its arguments.

@@ -15,7 +15,7 @@ from scipy.io import netcdf_file
 
 from footopt.arrays import Array
 from footopt.design.fronts import hypervolume_shares
-from footopt.design.store import flat
+from footopt.design.store import by_full_name
 from footopt.errors import ERROR_FILE, FileError
 from footopt.files import identity
 from footopt.files.feet import MM
@@ -79,7 +79,7 @@ def read(folder: Path) -> Row:
     left: dict[str, Any] = {"note": "no result"}
     try:
         found = identity.read(folder, "folder")
-        left |= {"overrides": found.overrides, "settings": flat(found.settings)}
+        left |= {"overrides": found.overrides, "settings": by_full_name(found.settings)}
         if file.exists() and not error.exists():
             left["result"] = result = dict(read_json_file(file, "folder"))
             left["note"] = result.get("reason") or ("interrupted" if result.get("interrupted") else "")

@@ -87,7 +87,7 @@ def objective_table(
     `errors` are those of the numbers, `under` the relative changes from the flat foot under other sand laws;
     the objective `told` is left out.
     """
-    parts = gain_shares({**values}, {**flat}) if flat else {}
+    parts = gain_shares(values, flat) if flat else {}
     names = sorted((name for name in values if name != told), key=lambda name: -abs(parts.get(name, 0.0)))
     columns: dict[str, list[str]] = {
         "objective": [name.replace("_", " ") for name in names],

@@ -17,7 +17,7 @@ from footopt.arrays import Array
 from footopt.design import Confirmation, FootProblem, SearchResult, Solver, confirm, search
 from footopt.design.robust import RobustProblem, regret, risk
 from footopt.design.scenarios import Scenario, Spread, draw, plausible_laws, sands
-from footopt.design.store import plain
+from footopt.design.store import typed_json
 from footopt.errors import FootoptError, SettingError, check
 from footopt.files import io as files
 from footopt.files.feet import write_foot
@@ -92,7 +92,7 @@ def run(study: Study) -> None:
         "hollow_mm": {name: 1e3 * sole.hollow for name, sole in soles.items()},
     }
     own = [asdict(numerics(finer, s.scene, s.space(judge.space))) for s in scenarios]
-    entry["scenarios"] = [plain(s) | {"accuracy": one} for s, one in zip(scenarios, own, strict=True)]
+    entry["scenarios"] = [typed_json(s) | {"accuracy": one} for s, one in zip(scenarios, own, strict=True)]
     each = zip(names, regrets.tolist(), strict=True)
     entry["regrets"] = {name: dict(zip(names, row, strict=False)) for name, row in each}
     entry |= scene_entry(scene, numerics(finer, scene, judge.space), judge.record)

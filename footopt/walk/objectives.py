@@ -213,7 +213,7 @@ def relative_change(values: Array, base: Array) -> Array:
         return np.where(values == base, 0.0, values / base - 1.0)
 
 
-def gain_shares(values: dict[str, float], base: dict[str, float]) -> dict[str, float]:
+def gain_shares(values: Mapping[str, float], base: Mapping[str, float]) -> dict[str, float]:
     """Each factor's share in the gain of J_W over a base design; they sum to 1.
 
     ln(J_W / J_W_base) is the sum of the factors' log gains. A negative share is a factor that got

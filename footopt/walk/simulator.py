@@ -100,9 +100,8 @@ class Simulator(ABC):
 
     def own(self) -> tuple[Any, ...]:
         """Functions and types that determine a walk, a user's own among them: its classes and effects."""
-        effects, kinds = getattr(self, "effects", ()), type(self).__mro__
-        laws = [effect.law for effect in effects if effect.law is not None]
-        return (*kinds[: kinds.index(Simulator)], *map(type, effects), *own_code(laws))
+        kinds, laws = type(self).__mro__, [e.law for e in self.effects if e.law is not None]
+        return (*kinds[: kinds.index(Simulator)], *map(type, self.effects), *own_code(laws))
 
     @property
     def title(self) -> str:

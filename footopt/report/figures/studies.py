@@ -178,10 +178,10 @@ def overview(found: Sequence[Any], titles: Mapping[str, str]) -> Figure:
     figure = style.new_figure(style.PAGE, 0.7 + 0.165 * rows[-1])
     ax = figure.subplots()
     ax.set_xscale("log")
-    ax.barh(rows, [percent(c.band, c) for c in found], height=0.7, color="0.87", label="2 u")
+    ax.barh(rows, [axis_percent(c.band, c) for c in found], height=0.7, color="0.87", label="2 u")
     for verdict, (colour, shape) in VERDICTS.items():
         own = [i for i, c in enumerate(found) if c.verdict == verdict]
-        size = [percent(found[i].size, found[i]) for i in own]
+        size = [axis_percent(found[i].size, found[i]) for i in own]
         ax.plot(size, rows[own], shape, color=colour, ms=5.5, mew=0, clip_on=False, label=verdict)
     for row, c in zip(rows[begins], (c for c, new in zip(found, begins, strict=True) if new), strict=True):
         ax.text(FLOOR, row - 1.0, f" {titles[c.experiment]}", va="center", weight="bold")
@@ -198,7 +198,7 @@ def overview(found: Sequence[Any], titles: Mapping[str, str]) -> Figure:
     return figure
 
 
-def percent(value: float, c: Any) -> float:
+def axis_percent(value: float, c: Any) -> float:
     """A part of the scale in percent, where a logarithmic axis can show it."""
     return max(100.0 * value / float(c.scale), FLOOR)
 

@@ -12,7 +12,7 @@ import yaml
 
 from footopt.arrays import Array
 from footopt.design import FootProblem, Solver, search
-from footopt.design.store import digest, key_of, plain
+from footopt.design.store import digest, key_of, typed_json
 from footopt.effects import EFFECTS
 from footopt.errors import check
 from footopt.foot import SHAPES, Foot, lower_hull
@@ -137,7 +137,7 @@ def evidence(config: Config, found: dict[str, list[int]]) -> dict[str, Walk]:
         with objective(study) as name:  # a measure of samples needs the accuracy of the claims
             finely = accuracy if name == "efficiency" else confirm
             problem = FootProblem(scenes[sand], name, space, finely, config.engine.threads)
-            key = digest([key_of(problem), plain(space), plain(solver)])
+            key = digest([key_of(problem), typed_json(space), typed_json(solver)])
             if key not in found:
                 found[key] = [int(height) for height in search(problem, solver).foot.k or ()]
         return replace(Foot.from_waypoints(found[key], space), name=sand)
