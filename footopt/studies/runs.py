@@ -143,7 +143,7 @@ def run_study(
     line. A `resumed` run continues with what is in the folder. Returns the values of the study's foot by
     name. Raises a `SettingError` if settings contradict each other, `Occupied` if the folder has another run.
     """
-    at_once(config.engine.threads)
+    at_once(config.engine.threads)  # raises unless it is a number of threads
     config = build.checked(config, overrides)
     with locked(folder):
         (folder / ERROR_FILE).unlink(missing_ok=True)  # of a job that failed before

@@ -41,7 +41,7 @@ WHY = {
     "floor of J_W over what is below it":
         "J_W counts no less than 1 J, 1 W and 0.001 m/s; a later scene.t_f may be fairer",
 }  # fmt: skip
-RARE = tuple(WHY)[5:]  # told only where they are beyond their limit
+RARE = tuple(WHY)[5:]  # reported only where they are beyond their limit
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ class Diagnostic:
 
 
 def samples(walk: Walk) -> Ints:
-    """The instants of a walk that are looked at."""
+    """Indices of the instants of a walk at which plates are evaluated."""
     return np.unique(np.linspace(0, len(walk.t) - 1, SAMPLES).astype(np.int64))
 
 
@@ -103,11 +103,11 @@ def diagnose(walk: Walk) -> list[Diagnostic]:
     pushes = laws(counted or [kind() for kind in EFFECTS.values() if kind.is_inertia]).pushes
     inertia = lasts * effects.push(pushes, vn, depth) * states.area
     slender = float(np.ptp(walk.foot.contour[:, 0]) / walk.start[1])
-    counts = max(floor / max(walk.totals.get(name, floor), 1e-300) for name, floor in FLOORS.items())
+    floored = max(floor / max(walk.totals.get(name, floor), 1e-300) for name, floor in FLOORS.items())
     total_force, total_power = max(size.sum(), 1e-300), max(power.sum(), 1e-300)
     trailing = power[vn < 0].sum()
     stood = 0.0 if walk.scene.holds else float(min(walk.scene.gait.start, walk.t[-1]))
-    sinks = 1.5 * sinking_speed(walk, stood) * stood if stood > 0.0 else 0.0  # the speed summed up
+    sinks = 1.5 * sinking_speed(walk, stood) * stood if stood > 0.0 else 0.0  # integral of the speed
     steps = len(walk.scene.strikes)  # a walker that stands does no work to speak of
     rows = (  # the value, its unit, and its limit
         (walk.totals.get("maximum_sinkage", float(depth.max())), "m", walk.foot.width),
@@ -120,7 +120,7 @@ def diagnose(walk: Walk) -> list[Diagnostic]:
         (slender, "", 0.8),  # from 0.1 to 0.5 of animals and robots
         (1.0 / slender, "", 20.0),
         (float(np.degrees(np.abs(walk.pitch(walk.t[:1])).min())), "deg", 10.0),
-        (counts if walk.feasible and steps else 0.0, "", 1.0),
+        (floored if walk.feasible and steps else 0.0, "", 1.0),
     )
     found = [Diagnostic(name, *row, why) for (name, why), row in zip(WHY.items(), rows, strict=True)]
     return [d for d in found if d.outside or d.name not in RARE]

@@ -70,6 +70,8 @@ def resolution(walk: Walk, errors: Mapping[str, float]) -> list[Diagnostic]:
     Where one of its `errors`, from `estimate_error`, is above `BEYOND` times the promise, a walk for each
     cause finds out what causes it. A walk that failed has none.
     """
+    if not walk.feasible:
+        return []
     values = walk.objectives
     size = {name: max(abs(value), 1e-3) for name, value in values.items() if name != "efficiency"}
     size |= dict(zip(FIVE, sizes(np.array([values[name] for name in FIVE]), walk.scene), strict=True))
@@ -79,8 +81,6 @@ def resolution(walk: Walk, errors: Mapping[str, float]) -> list[Diagnostic]:
         if math.isfinite(values[name]) and math.isfinite(errors.get(name, math.nan))
     }
     limit = BEYOND * (walk.accuracy.tolerance or PROMISE)
-    if not walk.feasible:
-        return []
     if not shares:
         return _outcome(walk, 100.0 * limit)
     worst = max(shares, key=lambda name: shares[name])
