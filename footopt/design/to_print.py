@@ -32,7 +32,7 @@ FIRST = 10  # soles that a search begins with
 TIMES = 2  # budget of the search under all laws together, over that of the search under each
 LAST = 5  # best soles of the search under all laws that are evaluated again
 EVEN = 30  # designs in a generation, or an eighth of a small budget: such a search begins near its end
-NOTHING = 1e-9  # of the largest value: a smaller best value is 0, as that of `hollow` may be
+NOTHING = 1e-9  # of the largest value: a smaller best value counts as 0, as that of `hollow` may be
 LEAST = 20  # evaluations of a search under a law
 REACH, STEPS = 32.0, 20  # largest factor of zeta, up and down, at which two feet are compared; steps to it
 

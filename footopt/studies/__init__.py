@@ -79,7 +79,7 @@ class Optimize(SearchSettings):
 class Simulate(StudySettings):
     """Walk with one foot: foot.k, a shape, a drawing, that of a run, or else the flat sole."""
 
-    run: str | None = setting(None, "Folder of an earlier run, whose foot is simulated in its scene.")
+    run: str | None = setting(None, "Folder of an earlier run, whose foot and scene are taken.")
     video: str | None = setting(None, VIDEO)
     reads = (*SCENE, *ROBOT, "foot", "accuracy", "objective.names")
 
