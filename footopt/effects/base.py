@@ -116,16 +116,10 @@ def ordered(effects: Sequence[Effect]) -> tuple[Effect, ...]:
     """
     given = isinstance(effects, (list, tuple)) and all(isinstance(effect, Effect) for effect in effects)
     check(given, "effects", effects, "a list of effects", "Try effects=[fo.Rest(), fo.LeadingEdge()]")
-    kinds = [type(effect) for effect in effects]
+    kinds, hint = [type(effect) for effect in effects], "Decorate it: @dataclass(frozen=True)"
     for effect, kind in zip(effects, kinds, strict=True):
         check(kinds.count(kind) == 1, "effects", kind.__name__, "at most one effect of a kind")
-        check(
-            is_dataclass(effect),
-            "effects",
-            kind.__name__,
-            "a dataclass",
-            "Decorate it: @dataclass(frozen=True)",
-        )
+        check(is_dataclass(effect), "effects", kind.__name__, "a dataclass", hint)
         try:
             hash(effect)
         except TypeError as why:

@@ -47,9 +47,7 @@ class SearchSettings(StudySettings):
     """Settings of studies that search: they store what they evaluate, and resume where they stopped."""
 
     confirm: str | None = setting(
-        FINER,
-        "Preset at which finalists are evaluated again; finer: the next finer one; null: neither that, nor "
-        "under other laws.",
+        FINER, "Preset that evaluates finalists again; finer: the next one; null: none, and no other laws."
     )
     finalists: int = setting(20, "How many of the best are evaluated again; of a front, all.")
     store: str | None = setting(None, "File of evaluated designs, which runs may share; null: in the folder.")
