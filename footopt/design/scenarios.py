@@ -133,8 +133,8 @@ def possible_laws(scene: Any, spread: float) -> tuple[Scenario, ...]:
 
 
 def scale_zeta(scene: Any, factor: float) -> Any:
-    """A scene with `factor` times its zeta."""
-    return replace(scene, sand=replace(scene.sand, zeta=scene.sand.zeta * factor))
+    """A scene with `factor` times its zeta, within the range of a `Sand`."""
+    return replace(scene, sand=replace(scene.sand, zeta=min(max(scene.sand.zeta * factor, 1e-6), 1e6)))
 
 
 def draw(scene: Any, spread: Spread, count: int, seed: int = 1) -> tuple[Scenario, ...]:
@@ -160,7 +160,8 @@ def draw(scene: Any, spread: Spread, count: int, seed: int = 1) -> tuple[Scenari
     from scipy.special import ndtri
 
     check_whole(count, "study.draws", 1, 10_000)
-    check(scene.gait is not None, "study.scenarios", "drawn", "sands or laws for a robot that tracks no gait")
+    tracks = getattr(scene, "gait", None) is not None
+    check(tracks, "study.scenarios", "drawn", "sands or laws for a robot that tracks no gait")
     rng = np.random.default_rng(seed)
     strata = np.stack([rng.permutation(count) for _ in COLUMNS], axis=1)
     normals = ndtri((strata + rng.random(strata.shape)) / count)

@@ -60,8 +60,9 @@ class Patches(Effect, name="patches"):
 
     def __post_init__(self) -> None:
         begins, ends, count = as_floats(self, "begins"), as_floats(self, "ends"), len(self.begins)
-        good = 1 <= count <= MOST and len(ends) == count and all(abs(at) <= 1e6 for at in (*begins, *ends))
-        allowed = f"as many as effects.patches.begins ({count}), in m"
+        check(1 <= count <= MOST, "effects.patches.begins", list(begins), f"1 to {MOST} places, in m")
+        good = len(ends) == count and all(abs(at) <= 1e6 for at in (*begins, *ends))
+        allowed = f"as many as effects.patches.begins ({count}), all from -1e6 to 1e6, in m"
         check(good, "effects.patches.ends", list(ends), allowed)
         places = sorted(zip(begins, ends, strict=True))
         for begin, end in places:

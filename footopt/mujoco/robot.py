@@ -238,7 +238,8 @@ class Robot(Simulator):
         found = climb(walked, top, of.error, LADDER)
         numbers = at(found.rung)
         finer = 2**of.refinements
-        return replace(numbers, dt=numbers.dt / finer, plates=numbers.plates * finer), found
+        dt, plates = of.dt or numbers.dt / finer, of.plates or numbers.plates * finer
+        return replace(numbers, dt=dt, plates=plates), found
 
     @quiet()
     def walk(

@@ -176,13 +176,14 @@ def outcome(
     force, speed, place = (own[:, 9 + i :: 3] for i in range(3))
     reset = np.abs(states[:, 0] - t - t[1]) > 0.5 * t[1]  # MuJoCo resets a simulation that diverges
     lost = ~np.isfinite(com).all(axis=1) | ~np.isfinite(states).all(axis=1) | reset
-    reason, end = "", steps
     lean = np.einsum("ni,i->n", upright, upright[0])
     down = (com[:, 2] < robot.lowest * com[0, 2]) | (lean < math.cos(robot.tilt))
+    ended = lost | down
+    reason, end = "", max(int(np.argmax(ended)) - 1, 0) if ended.any() else steps
     if down.any():
-        reason, end = "fallen", max(int(np.argmax(down)) - 1, 0)
+        reason = "fallen"
     if lost.any() or counts["failures"]:
-        reason, end = "diverged", max(int(np.argmax(lost)) - 1, 0) if lost.any() else steps
+        reason = "diverged"
     totals = {"survival": float(t[end])}
     if not reason and com[-1, 0] <= com[0, 0]:
         reason = "backward"

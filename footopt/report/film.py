@@ -14,7 +14,7 @@ from footopt.errors import FileError, FootoptError, check
 from footopt.files.io import write_whole
 from footopt.report.numbers import title
 from footopt.report.stage import ARROW, Stage, draw_ground, draw_key, write
-from footopt.report.style import PAGE, new_figure, sides, styled
+from footopt.report.style import PAGE, as_text, new_figure, sides, styled
 from footopt.walk import Walk
 
 FRAMES = 2000  # of a GIF, at most: they are in memory until it is written, about a megabyte each
@@ -107,7 +107,8 @@ def scene_of(walk: Walk, t: Array, speed: float, camera: Any = None) -> tuple[An
     heights = [(PAGE - 0.6) * (high - low) / wide, (PAGE - 0.6) * ASPECT]
     figure = new_figure(PAGE, sum(heights) + 0.9)
     whole, near = figure.subplots(2, 1, height_ratios=heights)
-    figure.suptitle(f"{title(walk.foot.name)} on {walk.world.sand.title}, {speed:g} × real time")
+    label = as_text(f"{title(walk.foot.name)} on {walk.world.sand.title}")
+    figure.suptitle(f"{label}, {speed:g} × real time")
 
     def show(i: int) -> None:
         hip = float(stage.legs[i, 0, 0, 0])

@@ -95,12 +95,18 @@ def _draw_front(axes: Axes, result: Any) -> None:
     draw_pair(axes, front, result.problem.names, chosen)
 
 
+def _draw_table(axes: Axes, table: Any) -> None:
+    """The designs of a table by its first two objectives."""
+    check(len(table.names) > 1, "thing", table, "a Table of two objectives or more")
+    draw_pair(axes, {"designs": table.values}, table.names)
+
+
 DRAWINGS: dict[str, Drawings] = {
     "Foot": {"foot": draw_contour},
     "Gait": {"angles": draw_angles, "path": draw_path},
     "Sand": {name: partial(draw_stress, component=name) for name in ("alpha_z", "alpha_x")},
     "Scene": {"sand": lambda axes, scene: draw_stress(axes, scene.sand)},
     "SearchResult": {"front": _draw_front, "convergence": draw_convergence},
-    "Table": {"table": lambda axes, table: draw_pair(axes, {"designs": table.values}, table.names)},
+    "Table": {"table": _draw_table},
     "Walk": {"walk": draw_walk, **{name: partial(draw_quantity, name=name) for name in QUANTITIES}},
 }

@@ -299,7 +299,7 @@ def stance(walk: Walk, step: int = 0) -> Stance | None:
     quarter of a stride, and the step begins at the heel strike.
     """
     strikes, foot = walk.scene.strikes, LEFT if step % 2 else RIGHT
-    if step >= len(strikes):
+    if step >= len(strikes) or foot >= walk.force.shape[1]:
         return None
     strike, quarter = strikes[step], walk.scene.stride / 4.0
     on = walk.force[:, foot, 1] > LEAST_LOAD * walk.scene.weight
