@@ -117,7 +117,7 @@ class TestTrade:
 @pytest.mark.usefixtures("clean")
 def test_one_of_a_quantity_that_no_walk_has_is_refused_by_that():
     objective("d", "m", maximise=True, worst=0.0)(lambda raw, scene: raw["disance"])
-    with pytest.raises(SettingError, match="KeyError: 'disance'"):
+    with pytest.raises(SettingError, match="lacks the quantity 'disance'"):
         lookup(["<lambda>"], fo.Scene())
 
 
