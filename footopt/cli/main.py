@@ -5,6 +5,7 @@ import math
 import os
 import shlex
 import sys
+import threading
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from importlib.metadata import version
@@ -37,6 +38,7 @@ from footopt.walk.objectives import lookup
 
 TRUST, FORCE = "--trust", "--force"
 
+_composing = threading.Lock()  # Hydra has one configuration at a time
 _wants_traceback = os.environ.get("HYDRA_FULL_ERROR") == "1"
 
 
@@ -193,8 +195,8 @@ def run(overrides: Sequence[str] = (), folder: str | Path | None = None) -> Run:
         return load(resumed[-1].strip("'\""))
     there: Path | None = None
     try:
-        register(words := hydra_overrides(given))
-        with initialize_config_dir(str(CONF), version_base="1.3"):
+        with _composing, initialize_config_dir(str(CONF), version_base="1.3"):
+            register(words := hydra_overrides(given))
             settings = compose("config", words, return_hydra_config=True)
             there = Path(folder or settings.hydra.run.dir).expanduser().absolute()
             found = resolved(settings, given)

@@ -8,6 +8,7 @@ holds, they have the zeta of all.
 """
 
 import re
+import shlex
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -36,8 +37,10 @@ COVERAGE = 0.95  # of the intervals
 DEPTHS = 3  # different ones that each repeat must have at least
 ZETAS = (0.005, 200.0)  # of any sand; the softest and hardest of the literature are .2 and 3
 SHALLOWEST = 1.0  # mm, of the deepest row: less is a file in metres
-SHALLOW = 1 / 3  # of the largest depth
+SHALLOW = 1 / 3  # of the rows
 CHANGE = 0.1  # of zeta in a part of the tests: less does not matter
+WIDE = 0.3  # half an interval of that change: more is no test of the law
+WORDS = re.compile(r"\d|(null|true|false|inf|nan)$", re.IGNORECASE)  # that Hydra takes for values, not names
 
 
 class Estimate(NamedTuple):
@@ -69,9 +72,20 @@ class Calibration(NamedTuple):
             for name, part in self.parts.items()
             if not part.low <= 1.0 <= part.high and abs(part.value - 1.0) > CHANGE
         ]
+        reasons += [
+            f"zeta of the tests {name} is {part.low:.2f} to {part.high:.2f} times that of all, which is no "
+            "test of the law: measure more rows there, or more repeats."
+            for name, part in self.parts.items()
+            if part.low <= 1.0 <= part.high and part.high - part.low > 2.0 * WIDE
+        ]
         if len(self.repeats) == 1:
             reasons.append(
-                "One repeat says nothing of other places: test again, numbered in a column repeat."
+                "One repeat says nothing of other places, and its interval takes rows for independent: "
+                "test again, numbered in a column repeat."
+            )
+        if self.spread is not None and self.spread > 1.0:
+            reasons.append(
+                f"Repeats differ as sands do (sd of log zeta {self.spread:.2f}; sand.spread is 1)."
             )
         if self.unread:
             reasons.append(f"Columns that are not read: {', '.join(self.unread)}.")
@@ -86,12 +100,14 @@ def run(study: Study) -> None:
     found = calibrate(path, sand.stress_map)
     name = sand.name if sand.name not in (*MEDIA, Sand.name) else Path(path).stem
     name = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_") or "mine"
+    if name in (*MEDIA, Sand.name) or WORDS.match(name):
+        name = f"sand_{name}"
     folder = study.folder / "sand"
     folder.mkdir(parents=True, exist_ok=True)
     write_text(folder / f"{name}.yaml", sand_file(name, Path(path).name, found, sand))
     caption = "zeta of the measurements by their depth, and of the sand."
     study.save("calibration", lambda: draw(found), caption)
-    use = f"footopt --config-dir {study.folder} sand={name}"
+    use = f"footopt --config-dir {shlex.quote(str(study.folder))} sand={name}"
     drawn = f"; or for how it differs from place to place: {use} study=robust study.scenarios=drawn"
     depths = f"{1e3 * found.depth.min():.3g} to {1e3 * found.depth.max():.3g}"
     entry = {"sand": name, "zeta": found.zeta._asdict(), "spread": found.spread, "repeats": found.repeats}
@@ -139,6 +155,12 @@ def calibrate(path: str | Path, stress_map: StressMap = GENERIC) -> Calibration:
     """
     table, words, unread = read_columns(path, SETTING, COLUMNS, OPTIONAL, LABEL)
     with naming(path, SETTING):
+        for one in OPTIONAL:
+            stem = one.removesuffix("_deg")
+            if alike := [name for name in unread if re.match(rf"{stem}\b|{stem}_", name, re.IGNORECASE)]:
+                raise Unusable(f"has a column {alike[0]}, which is not read: {one} is in degrees.")
+        if any(words) and not all(words):
+            raise Unusable(f"has rows without a {LABEL}: each needs the number or name of its repeat.")
         inside = table["depth_mm"] > 0
         if not inside.any():
             raise Unusable("has no row with depth_mm > 0: depth is below the surface, in mm.")
@@ -154,7 +176,7 @@ def calibrate(path: str | Path, stress_map: StressMap = GENERIC) -> Calibration:
             raise Unusable("angle_deg and direction_deg must be from -180 to 180.")
         set_up = np.array([f"{a:.3g} cm² at {b:g}° moved at {g:g}°"
                            for a, b, g in zip(area, angle, direction, strict=True)])  # fmt: skip
-        shallow = SHALLOW * depth.max()
+        shallow = np.quantile(depth, SHALLOW)
         parts = {f"less than {shallow:.3g} mm deep": depth <= shallow}
         names = dict.fromkeys(set_up.tolist())
         back = np.append(False, np.diff(depth) < 0.0)

@@ -89,7 +89,7 @@ class Table:
         return self.column("efficiency")
 
     def to_frame(self) -> Any:
-        """A pandas DataFrame with a row for each foot: its objectives, `feasible` and `reason`.
+        """A pandas DataFrame with a row for each foot: its objectives, `feasible`, `reason`, and any errors.
 
         Units are in ``frame.attrs["units"]``.
         """
@@ -97,6 +97,9 @@ class Table:
 
         columns = dict(zip(self.names, self.values.T, strict=True))
         frame = pandas.DataFrame(columns | {"feasible": self.feasible, "reason": self.reasons.astype(object)})
+        if self.errors is not None:
+            names = [f"{name}_error" for name in self.names]
+            frame = frame.join(pandas.DataFrame(self.errors, columns=names))
         frame.attrs["units"] = {name: MEASURES[name].unit for name in self.names}
         return frame.rename_axis("foot")
 

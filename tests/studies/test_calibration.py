@@ -1,13 +1,16 @@
 """Tests with plates give zeta within its interval, what contradicts the law, or a clear refusal."""
 
+import shutil
+
 import numpy as np
 import pytest
 import yaml
-from running import footopt, tries
+from running import composed, footopt, tries
 
 import footopt as fo
 from footopt.errors import FileError
 from footopt.studies.calibrate import SHALLOW, calibrate
+from footopt.studies.runs import run_study
 
 HEAD = "depth_mm,force_N,area_cm2,angle_deg,direction_deg,repeat\n"
 
@@ -41,7 +44,7 @@ def test_intervals_hold_what_is_true_as_often_as_they_say(tmp_path):
     for _ in range(count):
         zeta, exponent, repeats = rng.uniform(0.2, 4.0), rng.uniform(0.9, 1.5), int(rng.integers(3, 9))
         found = calibrate(plates_in_sand(tmp_path / "t.csv", rng, zeta, exponent, repeats))
-        shallow = found.depth[found.depth <= SHALLOW * found.depth.max()]
+        shallow = found.depth[found.depth <= np.quantile(found.depth, SHALLOW)]
         ratio = zeta_of(shallow, exponent) / zeta_of(found.depth, exponent)
         (part,) = found.parts.values()
         true = zeta_of(found.depth, exponent, zeta)
@@ -77,7 +80,30 @@ def test_growth_with_another_power_is_said_of_shallow_tests(repeats, tmp_path):
     straight = calibrate(plates_in_sand(tmp_path / "t.csv", rng, repeats=repeats))
     assert not any("above" in w for w in straight.warnings)
     bent = calibrate(plates_in_sand(tmp_path / "t.csv", rng, 0.8, 1.34, repeats))
-    assert "zeta of the tests less than 16 mm deep is 0.7" in bent.warnings[0]
+    assert "zeta of the tests less than 18.7 mm deep is 0.7" in bent.warnings[0]
+
+
+@pytest.mark.parametrize("least", [4, 18])  # mm: also without rows near the surface
+def test_forces_that_do_not_grow_with_depth_are_told_or_said_to_be_no_test(least, tmp_path):
+    depth, path = np.linspace(least, 50, 10), tmp_path / "t.csv"
+    for exponent in (0.0, 1.0, 2.0):
+        force = 1.3 * 2.5 * 40.0 * (depth / 40.0) ** exponent
+        np.savetxt(path, np.transpose([depth, force]), delimiter=",", header="depth_mm,force_N", comments="")
+        text = path.read_text().splitlines()
+        path.write_text("\n".join([f"{text[0]},area_cm2", *(f"{line},25" for line in text[1:])]))
+        told = any("zeta of the tests less than" in warning for warning in calibrate(path).warnings)
+        assert told == (exponent != 1.0), exponent
+
+
+def test_labels_with_gaps_and_angles_in_no_unit_are_refused(tmp_path):
+    path = plates_in_sand(tmp_path / "t.csv", np.random.default_rng(1))
+    good = path.read_text()
+    path.write_text(good.replace("90,2\n", "90,\n"))
+    with pytest.raises(FileError, match="without a repeat"):
+        calibrate(path)
+    path.write_text(good.replace("angle_deg", "angle"))
+    with pytest.raises(FileError, match="angle_deg is in degrees"):
+        calibrate(path)
 
 
 @pytest.mark.parametrize("mark", [";", "\t"])
@@ -98,6 +124,11 @@ def test_a_table_from_a_spreadsheet_with_decimal_commas_and_units_in_its_head_is
 
 def test_the_study_leaves_a_sand_that_runs_use(tmp_path):
     plates_in_sand(tmp_path / "my beach.csv", np.random.default_rng(1), 0.8, 1.3)
+    for name in ("custom", "2026-11-28", "hard", "inf"):  # no name that Hydra or footopt knows otherwise
+        assert shutil.copy(tmp_path / "my beach.csv", tmp_path / f"{name}.csv")
+        run_study(composed("study=calibrate", f"study.tests={tmp_path}/{name}.csv"), tmp_path / name, {})
+        (sand,) = (tmp_path / name / "sand").iterdir()
+        assert sand.stem == f"sand_{name.replace('-', '_')}"
     done = footopt("study=calibrate", "study.tests=my beach.csv", "hydra.run.dir=found", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     file = yaml.safe_load((tmp_path / "found" / "sand" / "my_beach.yaml").read_text())
