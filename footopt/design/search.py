@@ -200,6 +200,7 @@ def _begun(problem: FootProblem, solver: Solver, known: Known, start: Any, termi
         check(len(start) <= most, "start", len(start), f"at most {most} designs")
         drawing = Initialization(initial.sampling)
         drawn = drawing.do(problem, most, random_state=algorithm.random_state)
+        check(len(start) <= len(drawn), "start", len(start), f"no more than its sampling gives, {len(drawn)}")
         for one, k in zip(drawn, start, strict=False):
             one.X = dict(zip(problem.vars, k.tolist(), strict=True)) if isinstance(one.X, dict) else k
         initial.sampling = drawn

@@ -20,6 +20,7 @@ from functools import cache, partial
 from importlib.metadata import version
 from inspect import isfunction, ismethod
 from pathlib import Path
+from types import CodeType
 from typing import Any
 
 import numpy as np
@@ -261,9 +262,9 @@ def _fingerprint(own: Any, within: tuple[Any, ...] = ()) -> tuple[str, str]:
     bound: list[Any] = [own.args, own.keywords] if isinstance(own, partial) else []
     bound += [cell.cell_contents for cell in getattr(inner, "__closure__", None) or ()]
     bound += [getattr(inner.__self__, "__dict__", None)] if ismethod(inner) else []
-    session = getattr(inner, "__globals__", None) or {"__file__": ""}
-    if "__file__" not in session:  # a notebook's, of which no file says what the names in the code are
-        bound += [session.get(name) for name in inner.__code__.co_names]
+    for function in [inner] if hasattr(inner, "__code__") else filter(isfunction, vars(named).values()):
+        if "__file__" not in function.__globals__:  # a notebook's, of which no file says what its names are
+            bound += map(function.__globals__.get, _names(function.__code__))
     within = (*within, inner)
     for one in filter(isfunction, bound):  # a function's own, and not itself again
         digest.update(b"" if one in within else _fingerprint(one, within)[1].encode())
@@ -273,6 +274,14 @@ def _fingerprint(own: Any, within: tuple[Any, ...] = ()) -> tuple[str, str]:
             digest.update(pickle.dumps(one))
     module = "__main__" if named.__module__ == "__mp_main__" else named.__module__  # a worker's name of it
     return f"{module}.{named.__qualname__}", digest.hexdigest()
+
+
+def _names(code: CodeType) -> Iterator[str]:
+    """The names that code looks up, also that of functions and comprehensions in it."""
+    yield from code.co_names
+    for inner in code.co_consts:
+        if isinstance(inner, CodeType):
+            yield from _names(inner)
 
 
 @cache

@@ -157,7 +157,7 @@ def calibrate(path: str | Path, stress_map: StressMap = GENERIC) -> Calibration:
     with naming(path, SETTING):
         for one in OPTIONAL:
             stem = one.removesuffix("_deg")
-            if alike := [name for name in unread if re.match(rf"{stem}\b|{stem}_", name, re.IGNORECASE)]:
+            if alike := [name for name in unread if re.match(rf"{stem}(_rad)?$", name, re.IGNORECASE)]:
                 raise Unusable(f"has a column {alike[0]}, which is not read: {one} is in degrees.")
         if any(words) and not all(words):
             raise Unusable(f"has rows without a {LABEL}: each needs the number or name of its repeat.")

@@ -203,7 +203,7 @@ def _about_search(result: SearchResult, confirmed: Confirmation, certificate: Ce
     if result.stopped or result.interrupted:
         told.append(f"stopped {result.stopped}" if result.stopped else "interrupted")
     searched, every = f"{result.designs:,} of {space.K}^{space.n} soles", result.solver.name == EXHAUSTIVE
-    if every and not result.interrupted:
+    if every and not (result.interrupted or result.stopped):
         searched = f"all {space.K}^{space.n} soles, of which {result.designs:,} stay in their box"
     return f"Search: {'; '.join([searched, *told])}."
 

@@ -14,7 +14,7 @@ import numpy as np
 from rich.table import Table as RichTable
 
 from footopt.arrays import Array
-from footopt.design import Confirmation, FootProblem, SearchResult, Solver, confirm, search
+from footopt.design import EXHAUSTIVE, Confirmation, FootProblem, SearchResult, Solver, confirm, search
 from footopt.design.robust import RobustProblem, regret, risk
 from footopt.design.scenarios import Scenario, Spread, draw, plausible_laws, sands
 from footopt.design.store import typed_json
@@ -40,6 +40,9 @@ def run(study: Study) -> None:
     """Search the specialists and the robust foot, and report the losses of each."""
     config, options, finer = study.config, study.options, study.finer_accuracy
     solver, scene = study.solver(), study.simulator
+    check(
+        solver.name != EXHAUSTIVE, "solver", solver.name, "another one: this one begins with no specialists"
+    )
     scenarios = make_scenarios(config, scene)
     problem = RobustProblem(
         scenarios, config.objective.names, study.space, study.accuracy, config.engine.threads,

@@ -165,7 +165,7 @@ def foot_force(law, acting, part, ankle, turning_speed, stage, e0):
     """F = sum of f over some plates: the paper's eq. 2, with their power and derivatives.
 
     law: the stress map times zeta, N/m^3. acting: `Laws` of the scene's effects. part: the plates. ankle: in
-    the world. turning_speed, stage: see `contact`. e0: bristles of these plates, (h_x, h_z), or None.
+    the world. turning_speed, stage: see `contact`. e0: bristles of these plates, (e_x, e_z), or None.
     """
     x = z = power = xx = xz = zx = zz = 0.0
     for i in range(len(part.x)):

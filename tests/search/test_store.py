@@ -73,9 +73,8 @@ def bound(foot, by):
 def session(by, power=1):
     """A function of a notebook, whose names are of the session alone."""
     names = {"BY": by, "__name__": "__main__"}
-    exec(
-        f"def scaled(x): return BY * x**{power}\ndef of(foot): return {{'work': scaled(foot.hollow)}}", names
-    )
+    inner = f"def scaled(x): return BY * x**{power}"
+    exec(f"{inner}\ndef of(foot): return {{'work': (lambda: scaled(foot.hollow))()}}", names)
     return names["of"]
 
 
