@@ -43,6 +43,7 @@ def work_precision(settings: Sequence[Any], presets: Sequence[Any]) -> Figure:
         looks = {"xytext": (-8, -12), "textcoords": "offset points", "weight": "bold", "ha": "right"}
         axes.annotate(m.method, (m.ms, 100.0 * m.error), **looks)
     axes.set(xscale="log", yscale="log", xlabel="time per design and core (ms)", ylabel=WORST)
+    axes.margins(x=0.12)  # for the names of presets
     axes.xaxis.set_major_formatter("{x:g}")
     axes.yaxis.set_major_formatter("{x:g}")
     axes.grid()
