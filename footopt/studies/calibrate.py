@@ -40,7 +40,7 @@ SHALLOWEST = 1.0  # mm, of the deepest row: less is a file in metres
 SHALLOW = 1 / 3  # of the rows
 CHANGE = 0.1  # of zeta in a part of the tests: less does not matter
 WIDE = 0.3  # half an interval of that change: more is no test of the law
-WORDS = re.compile(r"\d|(null|true|false|inf|nan)$", re.IGNORECASE)  # that Hydra takes for values, not names
+WORDS = re.compile(r"\d|(null|true|false|inf|nan)$", re.IGNORECASE)  # Hydra reads them as values
 
 
 class Estimate(NamedTuple):
@@ -84,9 +84,7 @@ class Calibration(NamedTuple):
                 "test again, numbered in a column repeat."
             )
         if self.spread is not None and self.spread > 1.0:
-            reasons.append(
-                f"Repeats differ as sands do (sd of log zeta {self.spread:.2f}; sand.spread is 1)."
-            )
+            reasons.append(f"log zeta of the repeats has an sd of {self.spread:.2f}: are they of one sand?")
         if self.unread:
             reasons.append(f"Columns that are not read: {', '.join(self.unread)}.")
         return reasons

@@ -14,7 +14,7 @@ import numpy as np
 from rich.table import Table as RichTable
 
 from footopt.arrays import Array
-from footopt.design import EXHAUSTIVE, Confirmation, FootProblem, SearchResult, Solver, confirm, search
+from footopt.design import Confirmation, FootProblem, SearchResult, Solver, confirm, search
 from footopt.design.robust import RobustProblem, regret, risk
 from footopt.design.scenarios import Scenario, Spread, draw, plausible_laws, sands
 from footopt.design.store import typed_json
@@ -40,9 +40,6 @@ def run(study: Study) -> None:
     """Search the specialists and the robust foot, and report the losses of each."""
     config, options, finer = study.config, study.options, study.finer_accuracy
     solver, scene = study.solver(), study.simulator
-    check(
-        solver.name != EXHAUSTIVE, "solver", solver.name, "another one: this one begins with no specialists"
-    )
     scenarios = make_scenarios(config, scene)
     problem = RobustProblem(
         scenarios, config.objective.names, study.space, study.accuracy, config.engine.threads,
@@ -59,8 +56,11 @@ def run(study: Study) -> None:
         problem.specialists = np.array(k)
         values = problem.walk_each(problem.specialists)[0]
         problem.references = problem.bests(values)
-        losses = risk(np.nan_to_num(compare(problem, values).T, nan=np.inf), options.measure, options.tail)
-        start = problem.specialists[np.sort(np.argsort(losses, kind="stable")[: next(solver.sizes())])]
+        start = None
+        if getattr(solver.build(problem.n_obj), "initialization", None) is not None:  # it can begin with them
+            losses = np.nan_to_num(compare(problem, values).T, nan=np.inf)
+            ranked = np.argsort(risk(losses, options.measure, options.tail), kind="stable")
+            start = problem.specialists[np.sort(ranked[: next(solver.sizes())])]
         result, confirmed = searched(
             study, problem, solver, ROBUST, finer, executor, step, len(scenarios), start
         )

@@ -131,7 +131,7 @@ def write_walk(study: Study, walk: Walk, walks: Mapping[str, Walk]) -> list[str]
         study.save("power_work", figures.power_work(walks))
         study.save("contour", figures.contour(walk.foot))
         found = stance(walk)
-        if found is not None and found.last - found.first >= SHORTEST:  # no step was taken
+        if found is not None and found.last - found.first >= SHORTEST:  # a step, no fall
             study.save("step", figures.step(walk))
     return notes
 

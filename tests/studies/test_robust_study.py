@@ -41,6 +41,17 @@ def test_regrets_are_what_the_library_computes(tmp_path):
         np.testing.assert_allclose(found, expected, atol=1e-12)
 
 
+def test_a_solver_that_draws_its_own_designs_needs_no_specialists_and_the_exact_one_is_exact(tmp_path):
+    words = ["study=robust", "solver=exhaustive", "foot.n=4", "foot.K=3", "accuracy=draft", "report=none"]
+    foot = fo.run([*words, "study.confirm=null"], tmp_path).foot.k
+    scenes, space = [s.scene for s in sands(fo.Scene())], fo.Waypoints(n=4, K=3)
+    soles = np.array(list(np.ndindex(3, 3, 3, 3))) + 1
+    soles = soles[space.inside(soles)]
+    found = np.stack([fo.evaluate(soles, scene, "draft", space=space).efficiency for scene in scenes])
+    worst = (1 - found / found.min(axis=1, keepdims=True)).max(axis=0)
+    assert foot == tuple(soles[worst.argmin()])
+
+
 @pytest.mark.slow
 def test_of_drawn_scenarios_each_has_its_specialist(tmp_path, monkeypatch):
     unrender(monkeypatch)
