@@ -65,7 +65,7 @@ def main(first: int, last: int) -> None:
     for number in range(first, last):
         robot, space, k = draw(number)
         try:
-            robot.need_heel_strike()
+            robot.check_comparable()
         except SettingError as error:
             refused += 1
             print(f"{number}: {error}", flush=True)

@@ -80,7 +80,7 @@ class FootProblem(Problem):
         self.space = space or Waypoints()
         self.accuracy: AnyAccuracy = resolve(accuracy)
         self.threads = threads
-        self.scene.need_heel_strike()
+        self.scene.check_comparable()
         names = SETS.get(objective, (objective,)) if isinstance(objective, str) else tuple(objective)
         self.objectives: list[Objective] = lookup(names, self.scene)
         known = offered(self.scene)

@@ -142,7 +142,7 @@ class SearchResult:
         pool = np.flatnonzero(self.feasible)
         return pool[np.argsort(self.problem.scores(self.values[pool]), kind="stable")[:most]]
 
-    def whole(self, doing: str) -> Self:
+    def uninterrupted(self, doing: str) -> Self:
         """Itself; if it was interrupted, raises a `KeyboardInterrupt` that says what it was `doing`."""
         if self.interrupted:
             raise KeyboardInterrupt(f"while {doing}")

@@ -72,7 +72,7 @@ class RobustProblem(FootProblem):
         check(len(scenarios) > 0, "scenarios", list(scenarios), "at least one")
         for scenario in scenarios:
             check_kind(scenario, Scenario, "scenarios", "Try fo.Scenario(name, scene)")
-            scenario.scene.need_heel_strike()
+            scenario.scene.check_comparable()
         names = [scenario.name for scenario in scenarios]
         check(len(set(names)) == len(names), "scenarios", names, "of different names")
         check_measure(measure, tail)
@@ -97,7 +97,7 @@ class RobustProblem(FootProblem):
             space = s.space(self.space)
             alone = FootProblem(s.scene, self.ranking_objective, space, self.accuracy, self.threads)
             try:
-                result = search(alone).whole(f"searching the best foot for {s.name} alone")
+                result = search(alone).uninterrupted(f"searching the best foot for {s.name} alone")
             except FootoptError as error:
                 raise FootoptError(f"{s.name}: {error}") from None
             found.append(float(result.column(self.ranking_objective)[result.best]))

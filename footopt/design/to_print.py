@@ -165,14 +165,16 @@ def candidates(
             most = len(start) if law.scene == problem.scene else walks  # that has been searched
             with suppress(FootoptError):  # no foot walks
                 begin = _different([*found[::-1], start])
-                best = search(alone, solver(most), store=kept, executor=executor, start=begin).whole(doing)
+                best = search(alone, solver(most), store=kept, executor=executor, start=begin).uninterrupted(
+                    doing
+                )
                 reference = _size(best.column(name)[best.feasible], name)
                 walked.append((law, reference, Evaluator(alone, kept, executor)))
                 found.append(best.k[[best.best]])
         if len(walked) > 1:
             with suppress(FootoptError):  # none walks under all of them
                 race = Race(*zip(*walked, strict=True))
-                best = search(race, solver(TIMES * walks), start=_different(found)).whole(doing)
+                best = search(race, solver(TIMES * walks), start=_different(found)).uninterrupted(doing)
                 found.append(best.k[best.leaders(LAST)])
     return np.unique(np.concatenate(found or [start]), axis=0)
 

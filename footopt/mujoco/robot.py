@@ -200,7 +200,7 @@ class Robot(Simulator):
         return () if self.scripted else (self.controller.function,)
 
     @quiet()
-    def need_heel_strike(self) -> None:
+    def check_comparable(self) -> None:
         """Raise unless its walks can be compared.
 
         The axes of its feet have to be those of a sole, and its first steps in the air stable: a later

@@ -35,7 +35,7 @@ class RobotWalk(Walk):
         return camera(self.scene, self.states)
 
     @property
-    def turning_speed(self) -> float:
+    def transition_speed(self) -> float:
         """Infinite: its bristles are the directions themselves."""
         return math.inf
 

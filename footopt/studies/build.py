@@ -178,7 +178,7 @@ def make_simulator(config: Config) -> Simulator:
     controller = read_controller(table) if table else Tracker(make_gait(config.gait), *tracked)
     sand, effects = make_sand(config.sand), make_effects(config.effects)
     robot = Robot(controller=controller, sand=sand, effects=effects, **given)
-    robot.need_heel_strike()
+    robot.check_comparable()
     return robot
 
 

@@ -85,7 +85,9 @@ class Run:
     trusted: bool = False  # whether plugins that the settings name are run, and a store elsewhere written to
 
     def __repr__(self) -> str:
-        best = "; ".join(f"{name} {value:.4g}" for name, value in self.best.items() if value is not None)
+        best = "; ".join(
+            f"{name} {value:.4g}" for name, value in self.objectives.items() if value is not None
+        )
         return f"<Run {self.folder}: {' '.join(self.overrides) or 'as it is'}; {best or 'no result'}>"
 
     @cached_property
@@ -105,7 +107,7 @@ class Run:
         return result_of(self.folder) or {}
 
     @property
-    def best(self) -> dict[str, float]:
+    def objectives(self) -> dict[str, float]:
         """Objectives of its foot by name, natural signs; empty if it has none."""
         return dict(self.result.get("objectives") or {}) if "design" in self.result else {}
 

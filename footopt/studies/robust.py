@@ -154,7 +154,7 @@ def searched(
             result = search(problem, solver, tell, store, executor, start=start)
     except FootoptError as error:
         raise FootoptError(f"{name}: {error}") from None
-    result.whole(f"searching a foot for {name}")
+    result.uninterrupted(f"searching a foot for {name}")
     study.say(f"{name}: {terminal.describe_search(result)}")
     return result, confirm(result, finer, study.options.finalists)
 

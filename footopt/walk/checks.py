@@ -156,7 +156,7 @@ def power_from_sand(walk: Walk, samples: int = 64) -> float:
         if len(largest):
             plates = walk.plates(largest)
             sizes = np.linalg.norm(plates.force[:, foot], axis=-1).sum(axis=-1)
-            found = max(found, float(np.max(power[largest] / (sizes * plates.slip[:, foot]))))
+            found = max(found, float(np.max(power[largest] / (sizes * plates.transition_speed[:, foot]))))
     return found
 
 

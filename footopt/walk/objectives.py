@@ -200,9 +200,9 @@ FIVE = ("distance", "mean_height", "work", "peak_power", "speed_loss")
 def sizes(values: Array, simulator: Simulator | None = None) -> Array:
     """Sizes that errors of the `FIVE` (walks, objectives) are relative to: J_W's floors or 1 mm at least.
 
-    Floors of work and power are those of the simulator (`Simulator.least`).
+    Floors of work and power are those of the simulator (`Simulator.error_floor`).
     """
-    scale = simulator.least if simulator else 1.0
+    scale = simulator.error_floor if simulator else 1.0
     least = {"work": scale * FLOORS["work"], "peak_power": scale * FLOORS["peak_power"]}
     return np.maximum(np.abs(values), [least.get(name, 1e-3) for name in FIVE])
 

@@ -23,7 +23,7 @@ class PlateStates:
     force: Array  # N
     normal: Array  # outward, into the sand
     area: Array  # (N,), m^2
-    slip: Array  # (M, 2 feet), m/s: the speed over which directions are smoothed
+    transition_speed: Array  # (M, 2 feet), m/s: the speed over which directions are smoothed
 
     @property
     def depth(self) -> Array:
@@ -42,13 +42,13 @@ def plate_states(
     com: Array,
     velocity: Array,
     world: World,
-    turning_speed: float,
+    transition_speed: float,
     bristles: Array | None = None,
 ) -> PlateStates:
     """The plates of one foot shape under a walker in some states, on the sand of a world.
 
     The plates are of one design; the pose is that of both feet at M times, and place and velocity
-    of the hip are (M, 2), m and m/s. The law's jump at rest is smoothed over the turning speed, m/s, or
+    of the hip are (M, 2), m and m/s. The law's jump at rest is smoothed over the transition speed, m/s, or
     `bristles` (M, 2, N, 2) are turned by motion over that speed; infinity leaves them as they are.
     """
     sole, count = sole_of(plates), plates.x.shape[1]
@@ -56,14 +56,14 @@ def plate_states(
     if bristles is not None:
         e0 = np.zeros((pose.x.size, 2, sole.plates.shape[1]))
         e0[..., :count] = np.moveaxis(bristles, 3, 2).reshape(-1, 2, count)
-    compiled_for(each_plate, world.effects.all)(world, sole, pose.table(), hip, turning_speed, e0, out)
+    compiled_for(each_plate, world.effects.all)(world, sole, pose.table(), hip, transition_speed, e0, out)
     place, moves, force, normal = (out[:, :, :count, i : i + 2] for i in range(0, 8, 2))
-    slip = np.hypot(turning_speed, TURN * float(sole.span) * pose.rate)
-    return PlateStates(place, moves, force, normal, plates.area[0], slip)
+    transition = np.hypot(transition_speed, TURN * float(sole.span) * pose.rate)
+    return PlateStates(place, moves, force, normal, plates.area[0], transition)
 
 
 def each_plate(
-    world: Any, sole: Any, poses: Array, hip: Array, turning_speed: float, e0: Any, out: Array
+    world: Any, sole: Any, poses: Array, hip: Array, transition_speed: float, e0: Any, out: Array
 ) -> None:
     """Compiled: fill `out` (M, feet, plates, 8) with place, velocity, force and normal of every plate.
 
@@ -76,5 +76,5 @@ def each_plate(
             ankle = in_world(ankle_of(poses[m], foot), moving)
             bristles = bristles_between(e0, m * poses.shape[1] + foot, 0, len(part.x))
             for i in range(len(part.x)):
-                x, z, at, nx, nz = plate_force(law, acting, part, i, ankle, turning_speed, None, bristles)
+                x, z, at, nx, nz = plate_force(law, acting, part, i, ankle, transition_speed, None, bristles)
                 write(out[m, foot, i], (at.x, at.z, at.vx, at.vz, x, z, nx, nz))

@@ -14,7 +14,7 @@ from footopt.effects import reshaping
 from footopt.foot import Foot, Plates
 from footopt.gait import LEFT, RIGHT, Pose
 from footopt.walk.accuracy import Accuracy
-from footopt.walk.bristles import turning_speed_of
+from footopt.walk.bristles import transition_speed_of
 from footopt.walk.objectives import MEASURES, OBJECTIVES, Objective, by_name, lookup, offered
 from footopt.walk.plates import PlateStates, plate_states
 from footopt.walk.simulator import Simulator
@@ -239,14 +239,14 @@ class Walk:
         rows = i if self.remembered is None else self.remembered[i]
         bristles = None if self.bristles is None else self.bristles[rows].astype(np.float64)
         constants = self.world.constants(self.accuracy)
-        state = self.sole, self.pose(i), self.com[i], self.velocity[i], constants, self.turning_speed
+        state = self.sole, self.pose(i), self.com[i], self.velocity[i], constants, self.transition_speed
         return plate_states(*state, bristles=bristles)
 
     @property
-    def turning_speed(self) -> float:
+    def transition_speed(self) -> float:
         """The speed over which motion turns a plate's direction at an instant, m/s."""
         constants = self.world.constants(self.accuracy)
-        return float(turning_speed_of(constants.bristle_length, constants, 0.0))
+        return float(transition_speed_of(constants.bristle_length, constants, 0.0))
 
     @property
     def world(self) -> Any:

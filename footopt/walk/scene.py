@@ -132,7 +132,7 @@ class Scene(Simulator):
         return self.walker.weight
 
     @property
-    def least(self) -> float:
+    def error_floor(self) -> float:
         """1, or weight times length of the legs, J, if that is less: for a small walker."""
         return min(1.0, self.weight * (self.walker.l1 + self.walker.l2))
 
@@ -272,7 +272,7 @@ class Scene(Simulator):
         numbers = numbers_at(of, self.path, found.rung)
         return replace(numbers.refined(of.refinements), **of.by_hand) if of.refinements else numbers, found
 
-    def need_heel_strike(self) -> None:
+    def check_comparable(self) -> None:
         """Raise unless the walk has a heel strike: without one p_max and dV_x are not defined."""
         start, strike = self.gait.start, self.gait.heel_strike
         hint = "It can be simulated (study=simulate), not searched over."

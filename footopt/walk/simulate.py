@@ -91,7 +91,7 @@ def evaluate(
     scene, accuracy = as_simulator(scene), resolve(accuracy)
     bodies = as_feet(feet, space)
     check(len(bodies) > 0, "feet", "[]", "at least one foot")
-    scene.need_heel_strike()
+    scene.check_comparable()
     if objectives is None:
         objectives = [name for name in FIVE if name in offered(scene)]
     objectives = (objectives,) if isinstance(objectives, str) else tuple(objectives)

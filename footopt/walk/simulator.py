@@ -56,7 +56,7 @@ class Simulator(ABC):
         return EARTH
 
     @property
-    def least(self) -> float:
+    def error_floor(self) -> float:
         """Work, J, and power, W: errors of smaller values are relative to this number."""
         return 1.0
 
@@ -117,7 +117,7 @@ class Simulator(ABC):
         """What it is, for result.json."""
         return {"simulator": self.title}
 
-    def need_heel_strike(self) -> None:
+    def check_comparable(self) -> None:
         """Raise a `SettingError` if its walks cannot be compared: by default they can."""
         return
 

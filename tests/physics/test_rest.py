@@ -10,7 +10,7 @@ from numba import njit
 
 import footopt as fo
 from footopt.walk import loop
-from footopt.walk.bristles import turning_speed_of
+from footopt.walk.bristles import transition_speed_of
 from footopt.walk.contact import contact
 from footopt.walk.discretize import sole_of
 from footopt.walk.state import COUNTS, Motion
@@ -79,8 +79,8 @@ def test_bristles_stay_in_the_unit_disc_and_sand_forgets_a_foot_that_has_left(ra
 
 
 @njit(error_model="numpy")
-def felt(world, soles, poses, hip, slip, stage, before, counts):
-    return contact(world, soles, poses, hip, slip, stage, before, counts)
+def felt(world, soles, poses, hip, transition_speed, stage, before, counts):
+    return contact(world, soles, poses, hip, transition_speed, stage, before, counts)
 
 
 @pytest.mark.slow  # of compiling
@@ -95,8 +95,8 @@ def test_the_force_has_its_analytic_derivative_where_plates_stick_and_where_they
 
     def left(vx, vz):
         hip = Motion(stage * vx, stage * vz, vx, vz)
-        slip = turning_speed_of(constants.bristle_length, constants, stage)
-        return felt(constants, sole_of(plates), poses, hip, slip, stage, before, counts).left
+        transition_speed = transition_speed_of(constants.bristle_length, constants, stage)
+        return felt(constants, sole_of(plates), poses, hip, transition_speed, stage, before, counts).left
 
     for vx, vz in ((2e-4, -1e-4), (5e-3, -0.02)):
         here, d = left(vx, vz), 1e-9

@@ -137,6 +137,6 @@ def test_the_study_leaves_a_sand_that_runs_use(tmp_path):
     used = footopt("--config-dir", "found", *words, "hydra.run.dir=walk", cwd=tmp_path)
     assert used.returncode == 0, used.stderr
     run = fo.run([*words, f"hydra.searchpath=[{tmp_path}/found]"], tmp_path / "in Python")
-    assert run.best == fo.load(tmp_path / "walk").best
+    assert run.objectives == fo.load(tmp_path / "walk").objectives
     assert run.scene.sand.zeta == pytest.approx(file["zeta"])
     assert run.config.sand.spread == pytest.approx(file["spread"])

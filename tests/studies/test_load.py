@@ -39,7 +39,7 @@ class TestLoad:
         assert run.scene == fo.Scene(sand=fo.Sand.named("soft"), walker=fo.Walker(mass=50.0))
         assert run.foot.k == tuple(run.result["design"]["k"])
         assert not run.result["laws"]  # nothing is walked again
-        assert {n: run.walk().objectives[n] for n in run.best} == run.best
+        assert {n: run.walk().objectives[n] for n in run.objectives} == run.objectives
 
     def test_gives_its_designs_and_its_front_as_frames(self, made):
         run = made[1]
@@ -52,7 +52,7 @@ class TestLoad:
         assert designs["reason"].tolist() == found.reasons.tolist()
         assert designs["on_front"].sum() == len(found.front)
         assert front.iloc[0][[f"k{i}" for i in range(1, 6)]].astype(int).tolist() == list(run.foot.k)
-        assert front.iloc[0]["work"] == run.best["work"]
+        assert front.iloc[0]["work"] == run.objectives["work"]
         (run.folder / "designs.csv").rename(run.folder / "away")  # as report=none leaves it
         assert run.designs.drop(columns="reason").equals(designs.drop(columns="reason"))
 
@@ -60,7 +60,7 @@ class TestLoad:
         run = made[2]
         assert run.scene.effects == (fo.Slope(angle=4.0),)
         walk = run.walk()
-        assert {n: walk.objectives[n] for n in run.best} == run.best
+        assert {n: walk.objectives[n] for n in run.objectives} == run.objectives
         with pytest.raises(SettingError, match="must be optimize, to search again"):
             run.search()
 
@@ -132,7 +132,7 @@ def test_a_robots_run_is_loaded_and_walked_again_as_a_robot(tmp_path, monkeypatc
     run = fo.run([*words, "robot.duration=1.4", "foot.k=[1,2,3,2,1]", "foot.n=5"], folder="first")
     assert run.scene == fo.mujoco.Robot(sand=fo.Sand.named("soft"), duration=1.4)
     again = fo.run(["study=simulate", "study.run=first"], folder="again")
-    assert (again.best, again.scene) == (run.best, run.scene)
+    assert (again.objectives, again.scene) == (run.objectives, run.scene)
     with pytest.raises(SettingError, match=r"scene\.t_f"):
         fo.run(["study=simulate", "study.run=first", "scene.t_f=2"])
 

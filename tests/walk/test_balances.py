@@ -111,7 +111,9 @@ class TestEnergy:
         assert power_from_sand(walk) <= smoothing_power(GENERIC)
         walk = fo.simulate(ramp_foot, fo.Scene(), fo.Accuracy(stepper, 1e-3, 64, creep=0.3))  # gives some
         plates, given = walk.plates(np.arange(len(walk.t))), walk.power > NOISE * np.abs(walk.power).max()
-        share = walk.power / np.maximum(np.hypot(*plates.force.T).T.sum(axis=-1) * plates.slip, 1e-300)
+        share = walk.power / np.maximum(
+            np.hypot(*plates.force.T).T.sum(axis=-1) * plates.transition_speed, 1e-300
+        )
         assert power_from_sand(walk, len(walk.t)) == pytest.approx(share[given].max())
 
     @pytest.mark.slow

@@ -130,7 +130,7 @@ def evidence(config: Config, found: dict[str, list[int]]) -> dict[str, Walk]:
         solver = replace(solver, walks=EVALUATIONS)
     space, accuracy, scene = make_space(config.foot), make_accuracy(config.accuracy), make_scene(config)
     confirm = resolve(study.confirm, "study.confirm") if study.confirm else accuracy
-    scene.need_heel_strike()
+    scene.check_comparable()
     scenes = {sand: replace(scene, sand=Sand.named(sand)) for sand in SANDS}
 
     def best(sand: str) -> Foot:

@@ -22,7 +22,7 @@ from typing import Any
 from numba.extending import overload
 
 from footopt.compiled import INLINE, inlined
-from footopt.walk.bristles import bend, next_step, turning_speed_of
+from footopt.walk.bristles import bend, next_step, transition_speed_of
 from footopt.walk.contact import contact
 from footopt.walk.state import Integrals, State
 
@@ -62,8 +62,8 @@ def explicit_contact(world, sole, poses, hip, e0, time, counts):
 
     e0: bristles at the step's beginning, or None. time: since then, s, for which they have followed plates.
     """
-    turning_speed = turning_speed_of(world.bristle_length, world, time)
-    return contact(world, sole, poses, hip, turning_speed, world.given, e0, counts)
+    transition_speed = transition_speed_of(world.bristle_length, world, time)
+    return contact(world, sole, poses, hip, transition_speed, world.given, e0, counts)
 
 
 @inlined
