@@ -1,4 +1,4 @@
-"""Tables of the joints and servos of a MuJoCo model, from which `step.pulls` foresees their forces."""
+"""Tables of the joints and servos of a MuJoCo model, from which `foresight` tells their forces."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ import numpy as np
 
 from footopt.arrays import Array
 
+#: The largest of the five numbers of an impedance.
+LARGEST = [0.9999, 0.9999, np.inf, 0.9999, np.inf]
 RK4 = 1  # MuJoCo's number of its second explicit integrator; those after it are implicit
 
 #: A degree of freedom of MuJoCo's, in radians or metres.
@@ -18,6 +20,12 @@ FREEDOM = np.dtype(
         ("damping", float),  # of the joint, N m s
         ("stiffness", float),  # of the joint, N m
         ("torques", float, 2),  # range of all its servos together, N m
+        ("place", np.int64),  # of its angle in qpos
+        ("range", float, 2),  # within the limits of its joint, where MuJoCo has no force
+        ("impedance", float, 5),  # at these limits, with their ...
+        ("stiff", float),  # stiffness, 1/s^2, and ...
+        ("brake", float),  # damping, 1/s, both for each unit of impedance
+        ("mobility", float),  # 1 / (kg m^2)
     ]
 )
 
@@ -54,6 +62,20 @@ def freedoms(mujoco: Any, model: Any) -> Any:
     limited = model.jnt_actfrclimited[turns, None]
     table["torques"] = -np.inf, np.inf
     table["torques"][rows] = np.where(limited, model.jnt_actfrcrange[turns], [-np.inf, np.inf])
+    table["range"], table["mobility"] = (-np.inf, np.inf), model.dof_invweight0
+    table["place"][rows] = model.jnt_qposadr[turns]
+    if not off & (mujoco.mjtDisableBit.mjDSBL_LIMIT | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT):
+        limited, margin = model.jnt_limited[turns, None], model.jnt_margin[turns, None]
+        within = model.jnt_range[turns] + margin * [1.0, -1.0]
+        table["range"][rows] = np.where(limited, within, [-np.inf, np.inf])
+    table["impedance"][rows] = impedance = np.clip(model.jnt_solimp[turns], 1e-4, LARGEST)
+    shortest = 0.0 if off & mujoco.mjtDisableBit.mjDSBL_REFSAFE else 2.0 * model.opt.timestep
+    for row, most, (time, ratio) in zip(rows, impedance[:, 1], model.jnt_solref[turns], strict=True):
+        brake, stiff = -ratio / most, -time / most**2  # given as damping and stiffness, negative ...
+        if time > 0.0:  # ... or as a time, s, and a damping ratio
+            brake = 2.0 / (most * max(time, shortest))
+            stiff = (0.5 * brake / max(ratio, 1e-15)) ** 2
+        table["brake"][row], table["stiff"][row] = brake, stiff
     return table
 
 

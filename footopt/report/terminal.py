@@ -234,7 +234,8 @@ def describe_confirmation(confirmed: Confirmation) -> str:
 
 def print_validity(out: Console, diagnostics: Sequence[Diagnostic]) -> None:
     """The validity of a walk, with a warning for each value outside the tested range."""
-    out.print("Validity: " + "; ".join(f"{d.name} {quantity(d.value, d.unit)}" for d in diagnostics))
+    if diagnostics:  # of a walk that did not fail
+        out.print("Validity: " + "; ".join(f"{d.name} {quantity(d.value, d.unit)}" for d in diagnostics))
     for d in diagnostics:
         if d.outside:
             warn(out, f"{describe_outside(d)}.")
