@@ -23,10 +23,11 @@ from footopt.design.search import search
 from footopt.design.solvers import Solver
 from footopt.design.store import Store
 from footopt.errors import FootoptError
-from footopt.walk.accuracy import PRESETS, AnyAccuracy, Tolerance
+from footopt.walk.accuracy import PRESETS, Accuracy, AnyAccuracy, Tolerance
 from footopt.walk.ladder import numerics
 from footopt.walk.objectives import MEASURES, relative_change
 from footopt.walk.simulate import evaluate
+from footopt.walk.simulator import Simulator
 
 FIRST = 10  # soles that a search begins with
 TIMES = 2  # budget of the search under all laws together, over that of the search under each
@@ -197,25 +198,38 @@ def better_zetas(problem: FootProblem, foot: Ints, flat: Ints) -> tuple[float | 
     none where it is no better on the scene's own sand.
     """
     scene: Any = problem.scene
-    numbers, name = numerics(drafted(problem.accuracy), scene, problem.space), problem.ranking_objective
+    name = problem.ranking_objective
 
-    def lead(step: int) -> float:
-        """By how much the foot is better, a number of steps from the scene's own zeta."""
-        there = scale_zeta(scene, REACH ** (step / STEPS))
-        table = evaluate(np.stack([foot, flat]), there, numbers, (name,), problem.space, problem.threads)
+    def at(step: int) -> Simulator:
+        """The scene a number of steps from its own zeta."""
+        return scale_zeta(scene, REACH ** (step / STEPS))
+
+    def lead(step: int, numbers: Accuracy) -> float:
+        """By how much the foot is better there."""
+        soles = np.stack([foot, flat])
+        table = evaluate(soles, at(step), numbers, (name,), problem.space, problem.threads)
         ours, flat_one = table.values
         return -float(regret(ours, flat_one, name)[0]) if table.feasible.all() else -math.inf
 
+    def numbers_at(step: int) -> Accuracy:
+        return numerics(drafted(problem.accuracy), at(step), problem.space)
+
+    def leads(direction: int, numbers: Accuracy) -> list[float]:
+        """Those in one direction, up to the first step without one."""
+        found = [lead(0, numbers)]
+        while found[-1] > 0.0 and len(found) <= STEPS:
+            found.append(lead(direction * len(found), numbers))
+        return found
+
     def turn(direction: int) -> float | None:
         """The zeta where the lead is 0, interpolated between the last step with a lead and the next one."""
-        before = own
-        for step in range(1, STEPS + 1):
-            after = lead(direction * step)
-            if not after > 0.0:
-                share = step - 1 + before / (before - after)
-                return float(scene.sand.zeta * REACH ** (direction * share / STEPS))
-            before = after
-        return None
+        there = direction * (len(leads(direction, own)) - 1)
+        found = leads(direction, numbers_at(there))  # harder sand takes other numbers
+        if found[-1] > 0.0:
+            return None
+        before, after = found[-2:] if len(found) > 1 else (0.0, -1.0)  # by these numbers it may have none
+        share = max(len(found) - 2, 0) + before / (before - after)
+        return float(scene.sand.zeta * REACH ** (direction * share / STEPS))
 
-    own = lead(0)
-    return (turn(-1), turn(1)) if own > 0.0 else None
+    own = numbers_at(0)
+    return (turn(-1), turn(1)) if lead(0, own) > 0.0 else None

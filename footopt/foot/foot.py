@@ -59,7 +59,8 @@ class Foot:
     notes: tuple[str, ...] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
-        contour = np.ascontiguousarray(self.contour, float)
+        contour = np.array(self.contour, float, order="C")  # the caller's own may change later
+        contour.flags.writeable = False
         points = contour.ndim == 2 and contour.shape[1] == 2 and len(contour) >= 2
         allowed = "at least two points (x_p, z_p) from -10 to 10, in m"
         given = np.array2string(contour, threshold=6, separator=", ")
