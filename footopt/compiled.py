@@ -103,11 +103,11 @@ def cache_folder() -> str | None:
     digest = hashlib.sha256(f"{numba.__version__} {llvmlite.__version__}".encode())
     for path in sources():
         digest.update(f"{path} {path.stat().st_mtime_ns}".encode() + path.read_bytes())
-    home = Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache").expanduser()
-    place = Path(config.CACHE_DIR or home / "footopt") / f"footopt-{digest.hexdigest()[:16]}"
+    below = config.CACHE_DIR or Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache", "footopt")
     try:
+        place = Path(below).expanduser() / f"footopt-{digest.hexdigest()[:16]}"
         place.mkdir(mode=0o700, parents=True, exist_ok=True)
-    except OSError as error:
+    except (OSError, RuntimeError) as error:  # or nobody's home is known
         log.warning("compiled code cannot be kept (%s). Set NUMBA_CACHE_DIR to a folder of yours.", error)
         return None
     return str(place)

@@ -7,6 +7,7 @@ from numbers import Integral, Real
 from pathlib import Path
 from typing import Any
 
+TINY = 1e-300  # the least value of a number that has to be above 0
 ERROR_FILE = "error.txt"  # left in the folder of a job of a multirun that failed, with the message
 
 
@@ -83,6 +84,11 @@ def check_whole(value: Any, setting: str, least: int, most: int, hint: str = "")
     """Raise `SettingError` unless `value` is a whole number in a range."""
     good = is_number(value, Integral) and least <= value <= most
     check(good, setting, value, f"a whole number from {least} to {most:,}", hint)
+
+
+def check_number(setting: str, value: Any, least: float, most: float, allowed: str, hint: str = "") -> None:
+    """Raise `SettingError` unless `value` is a number in a range."""
+    check(is_number(value) and least <= value <= most, setting, value, allowed, hint)
 
 
 def check_free(name: str, taken: Any, new: Any) -> None:

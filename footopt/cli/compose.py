@@ -3,6 +3,7 @@
 import re
 from argparse import ArgumentParser
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,7 @@ from typing import Any
 from hydra import compose
 from hydra.core.config_store import ConfigStore
 from hydra.core.override_parser.overrides_parser import OverridesParser
+from hydra.errors import HydraException
 from omegaconf import ListConfig, OmegaConf, open_dict
 
 from footopt.studies import choices
@@ -45,7 +47,9 @@ def named_plugins(words: Sequence[str]) -> list[str]:
     flags.add_argument("--config-name", "-cn", default="config")
     found, overrides = flags.parse_known_args(list(words))
     if given := [one for one in overrides if one.lstrip("+").startswith("plugins=")]:
-        named: Any = OverridesParser.create().parse_override(given[-1]).value()
+        named: Any = None
+        with suppress(HydraException):
+            named = OverridesParser.create().parse_override(given[-1]).value()
     else:
         places = (Path(__file__).parent / found.config_path, found.config_dir)
         files = (Path(place, f"{found.config_name.removesuffix('.yaml')}.yaml") for place in places)
@@ -66,8 +70,18 @@ def hydra_overrides(overrides: Sequence[str]) -> list[str]:
     """The overrides of a command line as Hydra takes them: run=, objective=[, foot=[, ~/ and .inf in full."""
     short = {"run=": "study.run=", "objective=[": "objective.names=[", "foot=[": "foot.k=["}
     full = [re.sub(r"^(run=|objective=\[|foot=\[)", lambda found: short[found[0]], one) for one in overrides]
-    at_home = [re.sub(r"([=,\[])~/", rf"\1{Path.home().as_posix()}/", one) for one in full]
-    return [re.sub(r"([=,\[]-?)\.inf(?=[,\]]|$)", r"\1inf", one) for one in at_home]
+    at_home = (re.sub(r"([=,\[])~/([^,\]]*)", _at_home, one) for one in full)
+    quoted = (re.sub(r"(?<=^study\.run=)[^'\"\[,]+$", lambda at: _quoted(at[0]), one) for one in at_home)
+    return [re.sub(r"([=,\[]-?)\.inf(?=[,\]]|$)", r"\1inf", one) for one in quoted]
+
+
+def _at_home(found: re.Match[str]) -> str:
+    return found[1] + _quoted((Path.home() / found[2]).as_posix())
+
+
+def _quoted(path: str) -> str:
+    """A path as Hydra's grammar takes it: in quotes where it has umlauts or parentheses, say."""
+    return path if re.fullmatch(r"[\w./:+%@$ -]*", path, re.ASCII) else "'" + path.replace("'", "\\'") + "'"
 
 
 def task_overrides(here: Any, kind: str = "task") -> list[str]:

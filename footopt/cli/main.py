@@ -1,5 +1,6 @@
 """The command `footopt`, and `fo.run`: Hydra composes settings, a study is run, errors become one message."""
 
+import io
 import logging
 import math
 import os
@@ -46,6 +47,9 @@ def main() -> None:
     """Entry point. Errors that a user can mend end with one message and exit code 1."""
     os.environ["HYDRA_FULL_ERROR"] = "1"  # Hydra passes errors on instead of printing them itself
     given = sys.argv[1:]
+    for stream in (sys.stdout, sys.stderr):  # of a pipe, perhaps, whose encoding has no cm² or no Łódź
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
     topics = [one for one in given if one not in ("-h", "--help")]
     try:
         if any(one.startswith("resume=") for one in given):
@@ -162,7 +166,7 @@ def execute(settings: DictConfig, folder: Path, given: Sequence[str], resumed: b
 def remove_empty_run(folder: Path, overrides: Sequence[str]) -> None:
     """Remove the folder of a refused run, and those above it if they are empty, unless it was chosen."""
     if not any(one.startswith("hydra.run.dir") for one in overrides):
-        with suppress(OSError):
+        with suppress(OSError, ValueError):  # not found, not empty, or on another drive of Windows
             os.removedirs(os.path.relpath(folder))
 
 

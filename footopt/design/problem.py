@@ -11,7 +11,7 @@ from pymoo.core.variable import Integer
 from footopt.arrays import Array, Bools, Ints, Words
 from footopt.design.fronts import Choice, excess
 from footopt.errors import check
-from footopt.foot import Waypoints
+from footopt.foot import Waypoints, as_space
 from footopt.walk.accuracy import AnyAccuracy, resolve
 from footopt.walk.objectives import FIVE, MEASURES, Objective, lookup, offered
 from footopt.walk.simulate import as_simulator, evaluate
@@ -77,7 +77,7 @@ class FootProblem(Problem):
         choose: Choice | str = "knee",
     ) -> None:
         self.scene = as_simulator(scene)
-        self.space = space or Waypoints()
+        self.space = as_space(space)
         self.accuracy: AnyAccuracy = resolve(accuracy)
         self.threads = threads
         self.scene.check_comparable()

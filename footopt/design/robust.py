@@ -11,7 +11,7 @@ from footopt.design.archive import Evaluator
 from footopt.design.problem import FootProblem
 from footopt.design.scenarios import Scenario
 from footopt.design.search import search
-from footopt.errors import FootoptError, check, check_kind
+from footopt.errors import TINY, FootoptError, check, check_kind, check_number
 from footopt.foot import Waypoints
 from footopt.walk.accuracy import AnyAccuracy
 from footopt.walk.objectives import MEASURES
@@ -206,7 +206,7 @@ def risk(values: Array, measure: str, tail: float) -> Array:
 def check_measure(measure: str, tail: float) -> None:
     """Raise unless a measure is one of `RISK_MEASURES` and its tail a share."""
     check(measure in RISK_MEASURES, "study.measure", measure, f"one of {', '.join(RISK_MEASURES)}")
-    check(0 < tail <= 1, "study.tail", tail, "a share > 0 and <= 1 of the scenarios")
+    check_number("study.tail", tail, TINY, 1, "a share > 0 and <= 1 of the scenarios")
 
 
 def regret(values: Array, references: Array, name: str) -> Array:

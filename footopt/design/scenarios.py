@@ -13,11 +13,12 @@ import numpy as np
 
 from footopt.arrays import Array
 from footopt.effects import EFFECTS, Effect, name_of
-from footopt.errors import check, check_whole
+from footopt.errors import check, check_kind, check_number, check_whole
 from footopt.foot import Waypoints
 from footopt.gait import Fourier, Gait
 from footopt.sand import Sand
 from footopt.walk.scene import Scene
+from footopt.walk.simulator import Simulator
 
 DEFORMATION = 2  # harmonics, beside the mean, by which an angle differs from stride to stride
 
@@ -39,6 +40,9 @@ class Scenario:
     name: str
     scene: Any
     ankle: tuple[float, float] = (0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        check_kind(self.scene, Simulator, "scene", "Of a scenario; try fo.Scene(sand=fo.Sand(0.2)).")
 
     def space(self, space: Waypoints) -> Waypoints:
         """The same soles with the ankle as in this scenario."""
@@ -89,7 +93,7 @@ class Spread:
         for name, value in vars(self).items():
             most = 30.0 if name == "angles" else 1.0
             allowed = f"a standard deviation >= 0 and <= {most:g}"
-            check(0 <= value <= most, f"study.spread.{name}", value, allowed)
+            check_number(f"study.spread.{name}", value, 0, most, allowed)
 
 
 #: The parameter that each standard normal variable of a scenario changes; an angle has one a coefficient.

@@ -10,17 +10,14 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
-import pickle
 import sqlite3
 import sys
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager, suppress
-from functools import cache, partial
+from contextlib import AbstractContextManager, contextmanager
+from functools import cache
 from importlib.metadata import version
-from inspect import isfunction, ismethod
 from pathlib import Path
-from types import CodeType
 from typing import Any
 
 import numpy as np
@@ -30,7 +27,7 @@ from footopt.compiled import sources, target
 from footopt.design.problem import FootProblem
 from footopt.errors import FileError, named, shortened
 from footopt.walk.objectives import MEASURES
-from footopt.walk.own_code import is_own, own_code, source_of
+from footopt.walk.own_code import fingerprint, is_own, own_code
 from footopt.walk.steppers import STEPPERS
 
 APPLICATION = int.from_bytes(b"foot")  # marks the file as ours (SQLite's application_id)
@@ -239,7 +236,7 @@ def key_of(problem: FootProblem) -> dict[str, Any]:
     own = [*judges, *own_code((), stepper), *kinds[: kinds.index(FootProblem)]]
     own += [each for scene in scenes for each in scene.own()]
     digests: dict[str, str] = {}
-    for name, digest in map(_fingerprint, filter(is_own, own)):
+    for name, digest in map(fingerprint, filter(is_own, own)):
         digests[name] = digests.get(name, "") + digest * (digest not in digests.get(name, ""))
     return {
         "problem": type(problem).__name__,
@@ -252,36 +249,6 @@ def key_of(problem: FootProblem) -> dict[str, Any]:
         "versions": _versions(),
         "machine": target(),
     }
-
-
-def _fingerprint(own: Any, within: tuple[Any, ...] = ()) -> tuple[str, str]:
-    """Of a user's type or function the name, and a digest of its file and of what is bound to it."""
-    inner = own.func if isinstance(own, partial) else own
-    named = inner if hasattr(inner, "__qualname__") else type(inner)
-    digest = hashlib.sha256(source_of(named))
-    bound: list[Any] = [own.args, own.keywords] if isinstance(own, partial) else []
-    bound += [cell.cell_contents for cell in getattr(inner, "__closure__", None) or ()]
-    bound += [getattr(inner.__self__, "__dict__", None)] if ismethod(inner) else []
-    for function in [inner] if hasattr(inner, "__code__") else filter(isfunction, vars(named).values()):
-        if "__file__" not in function.__globals__:  # a notebook's, of which no file says what its names are
-            bound += map(function.__globals__.get, _names(function.__code__))
-    within = (*within, inner)
-    for one in filter(isfunction, bound):  # a function's own, and not itself again
-        digest.update(b"" if one in within else _fingerprint(one, within)[1].encode())
-    kept = [getattr(inner, name, None) for name in ("__defaults__", "__kwdefaults__")]
-    for one in [*bound, *kept, *([] if named is inner else [getattr(inner, "__dict__", None)])]:
-        with suppress(Exception):  # what cannot be pickled is a function, whose file says what it does
-            digest.update(pickle.dumps(one))
-    module = "__main__" if named.__module__ == "__mp_main__" else named.__module__  # a worker's name of it
-    return f"{module}.{named.__qualname__}", digest.hexdigest()
-
-
-def _names(code: CodeType) -> Iterator[str]:
-    """The names that code looks up, also that of functions and comprehensions in it."""
-    yield from code.co_names
-    for inner in code.co_consts:
-        if isinstance(inner, CodeType):
-            yield from _names(inner)
 
 
 @cache

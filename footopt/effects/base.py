@@ -33,7 +33,7 @@ from numba.extending import overload, register_jitable
 
 from footopt.arrays import Array
 from footopt.compiled import FAST, INLINE
-from footopt.errors import SettingError, check, check_free
+from footopt.errors import SettingError, check, check_free, is_number
 
 Reshape = Callable[[Array], Array]  # of soles (designs, points, 2), m
 
@@ -50,9 +50,11 @@ def numbers(values: Sequence[float]) -> tuple[float, ...] | Array:
 
 def as_floats(effect: Effect, name: str) -> tuple[float, ...]:
     """A parameter of several numbers, which becomes a tuple of floats."""
-    given = tuple(map(float, getattr(effect, name)))
-    object.__setattr__(effect, name, given)
-    return given
+    given = getattr(effect, name)
+    good = isinstance(given, list | tuple | np.ndarray) and all(map(is_number, given))
+    check(good, f"effects.{name_of(effect)}.{name}", given, "a list of numbers")
+    object.__setattr__(effect, name, tuple(map(float, given)))
+    return getattr(effect, name)
 
 
 def check_factors(setting: str, factors: Sequence[float], count: int, allowed: str) -> None:

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from footopt.effects.base import Effect
 from footopt.effects.dual import clipped, positive
-from footopt.errors import check
+from footopt.errors import check_number
 
 
 class InertiaLaw(NamedTuple):
@@ -50,9 +50,9 @@ class Inertia(Effect, name="inertia"):
     literature, is_inertia, in_page = True, True, True
 
     def __post_init__(self) -> None:
-        check(0 <= self.factor <= 1e3, "effects.inertia.factor", self.factor, "a number >= 0 and <= 1000")
-        check(0 <= self.rho <= 1e5, "effects.inertia.rho", self.rho, "a density >= 0 and <= 1e5, in kg/m^3")
-        check(1e-9 <= self.skin <= 1, "effects.inertia.skin", self.skin, "a depth from 1e-9 to 1, in m")
+        check_number("effects.inertia.factor", self.factor, 0, 1e3, "a number >= 0 and <= 1000")
+        check_number("effects.inertia.rho", self.rho, 0, 1e5, "a density >= 0 and <= 1e5, in kg/m^3")
+        check_number("effects.inertia.skin", self.skin, 1e-9, 1, "a depth from 1e-9 to 1, in m")
 
     @property
     def law(self) -> InertiaLaw:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from footopt.arrays import Array
 from footopt.effects.base import MOST, Effect, as_floats, check_factors, numbers
 from footopt.effects.dual import clipped
-from footopt.errors import check
+from footopt.errors import check, check_number
 
 
 class PatchesLaw(NamedTuple):
@@ -72,7 +72,7 @@ class Patches(Effect, name="patches"):
             check(end <= begin, "effects.patches.begins", begin, f"at or beyond the end at {end:g} m", hint)
         allowed = f"{count} numbers > 0: zeta of each patch over the sand's"
         check_factors("effects.patches.factors", as_floats(self, "factors"), count, allowed)
-        check(1e-4 <= self.blur <= 1e3, "effects.patches.blur", self.blur, "a length from 1e-4 to 1000, in m")
+        check_number("effects.patches.blur", self.blur, 1e-4, 1e3, "a length from 1e-4 to 1000, in m")
 
     @property
     def law(self) -> PatchesLaw:

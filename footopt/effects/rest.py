@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from footopt.effects.base import BRISTLE_LENGTH, Effect
-from footopt.errors import check
+from footopt.errors import check_number
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Rest(Effect, name="rest"):
     def __post_init__(self) -> None:
         hint = "It is over that length that the force builds up; 1e-6 changes walks by less than 0.5 %."
         allowed = "a length from 1e-8 to 1e-3, in m"
-        check(1e-8 <= self.length <= 1e-3, "effects.rest.length", self.length, allowed, hint)
+        check_number("effects.rest.length", self.length, 1e-8, 1e-3, allowed, hint)
 
     @property
     def bristle_length(self) -> float:

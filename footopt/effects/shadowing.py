@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from footopt.arrays import Array
 from footopt.effects.base import Effect
 from footopt.effects.hull import filled
-from footopt.errors import check
+from footopt.errors import check_number
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Shadowing(Effect, name="shadowing"):
     literature = plausible = True
 
     def __post_init__(self) -> None:
-        check(0 <= self.effective <= 1, "effects.shadowing.effective", self.effective, "a part, from 0 to 1")
+        check_number("effects.shadowing.effective", self.effective, 0, 1, "a part, from 0 to 1")
 
     def reshape(self, points: Array) -> Array:
         """Soles (designs, points, 2), m, with what is left of their grooves."""

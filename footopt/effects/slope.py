@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 
 from footopt.effects.base import Effect
-from footopt.errors import check
+from footopt.errors import check_number
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Slope(Effect, name="slope"):
 
     def __post_init__(self) -> None:
         allowed, hint = "an angle from -25 to 25, in deg", "Dry sand itself slides at about 30 deg."
-        check(-25 <= self.angle <= 25, "effects.slope.angle", self.angle, allowed, hint)
+        check_number("effects.slope.angle", self.angle, -25, 25, allowed, hint)
 
     def gravity(self, g: float) -> tuple[float, float]:
         """-g sin(angle) along the plane, g cos(angle) against its normal."""

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from footopt.arrays import Array
-from footopt.errors import MissingError, check, needed
+from footopt.errors import MissingError, check, check_kind, needed
 from footopt.files.io import write_bytes, write_csv, write_text, write_whole
 from footopt.foot import Foot
 
@@ -49,6 +49,7 @@ def write_foot(foot: Foot, path: str | Path, block: Sequence[float] | None = Non
     MissingError
         STEP needs OpenCASCADE: ``pip install "footopt[cad]"``.
     """
+    check_kind(foot, Foot, "foot", "fo.Foot.from_waypoints(k) makes one of heights.")
     path = Path(path)
     ending, sole, width = path.suffix.lower()[1:], MM * foot.contour, MM * foot.width
     check(ending in FORMATS, "path", str(path), f"a file that ends in one of .{', .'.join(FORMATS)}")

@@ -95,7 +95,7 @@ def fit_gait(
     FileError
         They are no walk.
     """
-    rows = [np.asarray(row, float) for row in (times, thigh, knee, foot) if row is not None]
+    rows = [np.asarray(row, float) for row in (times, thigh, knee, *([] if foot is None else [foot]))]
     shapes = [row.shape for row in rows]
     check(shapes == [(rows[0].size or 1,)] * len(rows), "angles", shapes, "as many angles as times")
     with naming("angles", "gait"):

@@ -168,6 +168,14 @@ def write_bytes(path: Path, content: bytes) -> None:
         new.write_bytes(content)
 
 
+def relative(path: str | Path, base: str | Path = ".") -> str:
+    """The way from a folder to a path; all of the path where it is on another drive, as on Windows."""
+    try:
+        return os.path.relpath(path, base)
+    except ValueError:
+        return os.path.abspath(path)
+
+
 def write_text(path: Path, text: str) -> None:
     """Write a file as a whole, or not at all."""
     write_bytes(path, text.encode())

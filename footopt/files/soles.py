@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from footopt.arrays import Array
-from footopt.errors import FileError, Unusable, check, naming
+from footopt.errors import TINY, FileError, Unusable, check, check_number, naming
 from footopt.files.drawings import JOIN_DISTANCE, UNITS, Line, crossing, join, read_dxf, read_svg, read_table
 from footopt.files.feet import MM, SOLE
 from footopt.foot import Foot
@@ -66,7 +66,7 @@ def read_foot(
         One of the settings above cannot be used.
     """
     check(units is None or units in UNITS, "foot.units", units, f"one of {', '.join(UNITS)}, or null")
-    check(0 < scale < np.inf, "foot.scale", scale, "a number > 0")
+    check_number("foot.scale", scale, TINY, 1e300, "a number > 0")
     check(toe in ("right", "left"), "foot.toe", toe, "right or left: where the toe is in the drawing")
     check(origin in ("file", "centre"), "foot.origin", origin, "file or centre")
     path = Path(path)

@@ -9,10 +9,10 @@ import numpy as np
 from footopt.arrays import Array, Ints
 from footopt.effects.base import Reshape
 from footopt.effects.hull import filled
-from footopt.errors import check
+from footopt.errors import check, check_whole
 from footopt.foot.plates import RULES, Plates, along_arc
 from footopt.foot.shapes import SHAPES
-from footopt.foot.waypoints import Waypoints, check_dimensions, check_length, heights_text
+from footopt.foot.waypoints import Waypoints, as_space, check_dimensions, check_length, heights_text
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -65,10 +65,13 @@ class Foot:
         allowed = "at least two points (x_p, z_p) from -10 to 10, in m"
         given = np.array2string(contour, threshold=6, separator=", ")
         check(points and (np.abs(contour) <= 10.0).all(), "foot.contour", given, allowed)
-        check_dimensions(self.width, self.ankle, self.top)
+        ahead = contour[0, 0] <= contour[-1, 0] and (contour != contour[0]).any()
+        check(ahead, "foot.contour", given, "a line from heel to toe: its last x_p is the larger one")
+        check_dimensions(self.width, self.ankle, self.top, self.closed)
         object.__setattr__(self, "ankle", tuple(self.ankle))
         object.__setattr__(self, "contour", contour)
         if self.space is not None and self.k is not None:  # of a foot that `replace` has changed, too
+            object.__setattr__(self, "k", tuple(map(int, self.k)))
             own = {name: getattr(self, name) for name in ("width", "ankle", "closed", "top")}
             space, drawn = replace(self.space, **own), self.space.contour(self.k)[0]
             there = contour.shape == drawn.shape and np.allclose(contour, drawn, rtol=0, atol=1e-9)
@@ -110,7 +113,7 @@ class Foot:
             A height is not in the space.
         """
         check(np.ndim(k) == 1, "foot.k", k, "one design: a list of whole numbers")
-        space = replace(space or Waypoints(n=len(k)), **parameters)
+        space = replace(as_space(space, np.size(k)), **parameters)
         heights = tuple(int(v) for v in space.check(k)[0])
         contour, name = space.contour(heights)[0], f"k={heights_text(heights)}"
         return cls(contour, space.width, space.ankle, name, heights, space, space.closed, space.top)
@@ -118,7 +121,7 @@ class Foot:
     @classmethod
     def flat(cls, space: Waypoints | None = None) -> Self:
         """Make the flat sole at the bottom of the box (k = K everywhere), with which feet are compared."""
-        space = space or Waypoints()
+        space = as_space(space)
         return replace(cls.from_waypoints([space.K] * space.n, space), name="flat")
 
     @classmethod
@@ -150,12 +153,14 @@ class Foot:
 
         Those of a sole through waypoints are on its spline.
         """
+        check_whole(steps, "steps", 1, 10**6)
         if self.space is not None and self.k is not None:
             return np.asarray(self.space.points(self.k, steps * parts)[0])
         return along_arc(self.contour, steps, parts)
 
     def plates(self, plates: int, rule: str = "arc", fill: Reshape | None = None) -> Plates:
         """Cut the sole into plates, (1, plates); see `as_plates`."""
+        check(rule in RULES, "rule", rule, f"one of {', '.join(RULES)}")
         return as_plates([self], plates, rule, fill)
 
     @property
@@ -196,6 +201,8 @@ class Soles(Sequence[Foot]):
 
 def as_feet(feet: Any, space: Waypoints | None = None) -> Sequence[Foot]:
     """Feet as they are, one foot as a list of one, and heights of waypoints (designs, n) as `Soles`."""
+    own = isinstance(feet, Foot) or (isinstance(feet, Sequence) and isinstance(next(iter(feet), None), Foot))
+    check(not own or space is None, "space", space, "None for Foot objects: each has its own")
     if isinstance(feet, Foot):
         return [feet]
     if isinstance(feet, Soles):
@@ -209,7 +216,7 @@ def as_feet(feet: Any, space: Waypoints | None = None) -> Sequence[Foot]:
         heights = np.empty(0, object)
     allowed = "Foot, a list of these, or heights of waypoints (designs, n)"
     check(heights.ndim == 2 and heights.dtype.kind in "iuf", "feet", feet, allowed)
-    return Soles(heights, space or Waypoints(n=heights.shape[1])) if heights.size else []
+    return Soles(heights, as_space(space, heights.shape[1])) if heights.size else []
 
 
 def as_plates(

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from footopt.arrays import Array, Bools, Ints
 from footopt.compiled import cached_njit, inlined
-from footopt.errors import SettingError, check, check_whole
+from footopt.errors import SettingError, check, check_kind, check_number, check_whole, is_number
 
 FINE = 32  # samples of the spline between two waypoints, for its arc length and its box violation
 
@@ -69,10 +69,10 @@ class Waypoints:
         check_whole(self.K, "foot.K", 1, 10**6)
         check_length("foot.L", self.L)
         check_length("foot.H", self.H)
-        check_dimensions(self.width, self.ankle, self.top)
+        check_dimensions(self.width, self.ankle, self.top, self.closed)
         object.__setattr__(self, "ankle", tuple(self.ankle))
         allowed = "a number >= 0, in units of H (.inf: no constraint, as in the paper)"
-        check(self.box_tolerance >= 0, "foot.box_tolerance", self.box_tolerance, allowed)
+        check_number("foot.box_tolerance", self.box_tolerance, 0, np.inf, allowed)
 
     @property
     def x(self) -> Array:
@@ -123,6 +123,8 @@ class Waypoints:
 
         Raises `SettingError` if hardly any random sole respects the box.
         """
+        check_whole(designs, "designs", 0, 10**9)
+        check_whole(seed, "seed", 0, 2**63)
         rng, kept = np.random.default_rng(seed), np.empty((0, self.n), np.int64)
         if not inside:
             return rng.integers(1, self.K + 1, (designs, self.n))
@@ -141,17 +143,26 @@ def heights_text(k: ArrayLike) -> str:
     return f"[{','.join(map(str, np.asarray(k).tolist()))}]"
 
 
+def as_space(space: Waypoints | None, n: int = Waypoints.n) -> Waypoints:
+    """The design space that is given, or else the paper's with n waypoints."""
+    if space is None:
+        return Waypoints(n=n)
+    check_kind(space, Waypoints, "space", "fo.Waypoints(n=11, K=10) is the paper's.")
+    return space
+
+
 def check_length(setting: str, value: float) -> None:
     """Raise unless a length can be one of a foot."""
-    check(1e-4 <= value <= 10.0, setting, value, "a length from 1e-4 to 10, in m")
+    check_number(setting, value, 1e-4, 10.0, "a length from 1e-4 to 10, in m")
 
 
-def check_dimensions(width: float, ankle: tuple[float, float], top: float) -> None:
-    """Raise unless these are a foot's width, the ankle's place in its frame, and its top's height."""
+def check_dimensions(width: float, ankle: tuple[float, float], top: float, closed: bool) -> None:
+    """Raise unless these are the width, the ankle's place and the top's height of a foot, closed or not."""
     check_length("foot.width", width)
-    near = len(ankle) == 2 and all(abs(at) <= 10.0 for at in ankle)
-    check(near, "foot.ankle", ankle, "two numbers [x_p, z_p] from -10 to 10, in m")
-    check(abs(top) <= 10.0, "foot.top", top, "a finite height in the foot frame, from -10 to 10, in m")
+    place = np.shape(ankle) == (2,) and all(is_number(at) and abs(at) <= 10.0 for at in ankle)
+    check(place, "foot.ankle", ankle, "two numbers [x_p, z_p] from -10 to 10, in m")
+    check_number("foot.top", top, -10, 10, "a finite height in the foot frame, from -10 to 10, in m")
+    check(isinstance(closed, bool | np.bool_), "foot.closed", closed, "true or false")
 
 
 @lru_cache

@@ -30,7 +30,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from footopt.arrays import Array
-from footopt.errors import SettingError, check, check_whole
+from footopt.errors import SettingError, check, check_kind, check_number, check_whole
 
 Angle = tuple[Array, Array]  # and its rate
 
@@ -126,13 +126,16 @@ class Gait:
     residual: tuple[tuple[str, float], ...] = ()
 
     def __post_init__(self) -> None:
-        check(1e-3 <= self.period <= 1e3, "gait.period", self.period, "a time from 0.001 to 1000, in s")
+        check_number("gait.period", self.period, 1e-3, 1e3, "a time from 0.001 to 1000, in s")
         allowed = "a time >= 0 and <= 1e5, in s (.inf: stand still)"
         check(0 <= self.start <= 1e5 or self.start == math.inf, "gait.start", self.start, allowed)
         check(self.pitch in ("shank", "measured"), "gait.pitch", self.pitch, "shank or measured")
         if self.pitch == "measured" and self.foot is None:
             raise SettingError("gait.pitch", "measured", "shank: this gait has no measured pitch of the foot")
+        check_kind(self.thigh, Fourier, "gait.thigh", "fo.fit_gait makes a gait of angles.")
+        check_kind(self.knee, Fourier, "gait.knee", "fo.fit_gait makes a gait of angles.")
         for name, s in self.series.items():
+            check(len(s.a) == len(s.b), f"gait.{name}", s, "a series with as many a as b")
             object.__setattr__(self, name, Fourier(s.a0, tuple(s.a), tuple(s.b)))
         finite = all(np.isfinite([s.a0, *s.a, *s.b]).all() for s in self.series.values())
         check(finite, "gait", self.name, "made of finite coefficients")

@@ -8,14 +8,15 @@ import pickle
 import threading
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
+from numbers import Integral
 from typing import Any
 
 import numpy as np
 
 from footopt.arrays import Array
 from footopt.effects import Effect, reshaping
-from footopt.effects.base import BRISTLE_LENGTH
-from footopt.errors import SettingError, check, check_kind, needed
+from footopt.effects.base import BRISTLE_LENGTH, ordered
+from footopt.errors import SettingError, check, check_kind, is_number, needed
 from footopt.foot import Foot, Plates
 from footopt.mujoco.callback import ATTACHED, FORGOT, MOST, callback, compiled, with_effects
 from footopt.mujoco.implicit import ROOM
@@ -85,10 +86,17 @@ class Contact:
         remembers: bool = False,
     ) -> None:
         mujoco = needed("mujoco", "footopt.mujoco", "mujoco")
-        world, acting = _laws(sand, tuple(effects))
+        check_kind(model, mujoco.MjModel, "model", "Or a mujoco.MjSpec, with None for its data.")
+        check_kind(feet, Mapping, "feet", "By name of the body.")
+        world, acting = _laws(sand, ordered(effects))
         g = float(np.linalg.norm(model.opt.gravity)) / EARTH
         check(feet, "feet", {}, "a body and its foot, at least")
-        check(plates >= 4 and plates % 2 == 0, "plates", plates, "an even number from 4")
+        check(
+            is_number(plates, Integral) and plates >= 4 and plates % 2 == 0,
+            "plates",
+            plates,
+            "an even number from 4",
+        )
         level = world.tilt == 0.0
         check(level, "effects", "an inclined plane", "on a level one", "Tilt model.opt.gravity.")
         bodies, tables, first, soles = np.zeros(len(feet), BODY), [], 0, dict[int, Array]()

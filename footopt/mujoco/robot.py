@@ -14,7 +14,7 @@ import numpy as np
 
 from footopt.arrays import Array
 from footopt.effects.base import Effect, ordered
-from footopt.errors import SettingError, check, check_kind
+from footopt.errors import TINY, SettingError, check, check_kind, check_number
 from footopt.foot import Foot, Waypoints
 from footopt.gait import Gait
 from footopt.mujoco.controllers import Controller, FunctionController, Tracker
@@ -94,7 +94,7 @@ class Robot(Simulator):
         check(len(feet) > 0, "robot.feet", list(feet), "one body, or several")
         check_kind(self.sand, Sand, "sand", 'Try fo.Sand.named("hard")')
         put(self, "feet", feet)
-        put(self, "effects", ordered(tuple(self.effects)))
+        put(self, "effects", ordered(self.effects))
         if not isinstance(self.model, Model) or self.model.feet != feet:
             check(not isinstance(self.model, Model), "robot.feet", list(feet), "those of its model")
             put(self, "model", Model.read(self.model, feet))
@@ -106,15 +106,15 @@ class Robot(Simulator):
             put(self, "duration", self.controller.duration)
         if self.after is None:
             put(self, "after", self.gait.heel_strike if self.gait else 0.0)
-        known = self.duration is not None and 0.0 < self.duration <= 300.0  # all steps are kept in memory
-        check(known, "robot.duration", self.duration, "a time > 0 and <= 300, in s", "Are commands in s?")
+        allowed = "a time > 0 and <= 300, in s"  # all steps are kept in memory
+        check_number("robot.duration", self.duration, TINY, 300.0, allowed, "Are commands in s?")
         allowed = f"a time >= 0 and < {self.duration:g}, robot.duration, in s"
-        known, hint = 0.0 <= self.after < self.duration, "Or lengthen robot.duration."
-        check(known, "robot.after", self.after, allowed, hint)
-        check(0.0 < self.lowest < 1.0, "robot.lowest", self.lowest, "a number between 0 and 1")
-        check(0.0 < self.tilt <= math.pi, "robot.tilt", self.tilt, "an angle > 0 and <= pi, in rad")
-        known = self.density is None or 0.0 < self.density <= 1e5
-        check(known, "robot.density", self.density, "a number > 0 and <= 1e5, in kg/m^3")
+        most = np.nextafter(self.duration, 0.0)
+        check_number("robot.after", self.after, 0.0, most, allowed, "Or lengthen robot.duration.")
+        check_number("robot.lowest", self.lowest, TINY, np.nextafter(1.0, 0.0), "a number between 0 and 1")
+        check_number("robot.tilt", self.tilt, TINY, math.pi, "an angle > 0 and <= pi, in rad")
+        if self.density is not None:
+            check_number("robot.density", self.density, TINY, 1e5, "a number > 0 and <= 1e5, in kg/m^3")
         if self.scripted:
             self.controller.commands(self.model.compiled, np.zeros(1))  # raises if it does not fit the model
         keys = [self.model.compiled.key(i).name for i in range(self.model.compiled.nkey)]

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.animation import FFMpegWriter, PillowWriter
 
 from footopt.arrays import Array
-from footopt.errors import FileError, FootoptError, check
+from footopt.errors import TINY, FileError, FootoptError, check, check_number
 from footopt.files.io import write_whole
 from footopt.report.numbers import title
 from footopt.report.stage import ARROW, Stage, draw_ground, draw_key, write
@@ -63,10 +63,11 @@ def animate(walk: Walk, path: str | Path, fps: int = 25, speed: float = 0.5, dpi
     FileError
         ffmpeg is missing, or the file cannot be written.
     """
+    check(hasattr(walk, "t") and hasattr(walk, "legs"), "walk", walk, "a Walk, as fo.simulate returns")
     path = check_film(path)
-    check(0 < fps <= 100, "fps", fps, "a number of frames per second > 0 and <= 100")
-    check(0 < speed < math.inf, "speed", speed, "a number > 0: 1 is as in life, 0.25 four times slower")
-    check(20 <= dpi <= 600, "dpi", dpi, "a number of dots per inch from 20 to 600")
+    check_number("fps", fps, TINY, 100, "a number of frames per second > 0 and <= 100")
+    check_number("speed", speed, TINY, 1e300, "a number > 0: 1 is as in life, 0.25 four times slower")
+    check_number("dpi", dpi, 20, 600, "a number of dots per inch from 20 to 600")
     if len(walk.t) == 0:
         raise FootoptError(f"{path}: there is nothing to film, the walk failed at once: {walk.reason}.")
     gif, rate = path.suffix.lower() == ".gif", float(fps)

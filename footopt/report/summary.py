@@ -19,7 +19,7 @@ from footopt.design.store import by_full_name
 from footopt.errors import ERROR_FILE, FileError
 from footopt.files import identity
 from footopt.files.feet import MM
-from footopt.files.io import read_json_file, write_csv
+from footopt.files.io import read_json_file, relative, write_csv
 from footopt.foot.waypoints import heights_text
 from footopt.report import page
 from footopt.report.figures.walks import scatter_matrix
@@ -139,8 +139,9 @@ def varied(runs: Sequence[Row]) -> pandas.DataFrame:
 def compare(folder: Path, folders: Sequence[Path]) -> int:
     """Print a table of runs, and write all about them into a folder; returns how many of them failed."""
     runs, out = [read(path) for path in folders], console()
-    base = os.path.commonpath([path.absolute().parent for path in folders])
-    names = [os.path.relpath(path, base) for path in folders]
+    parents = [path.absolute().parent for path in folders]
+    base = os.path.commonpath(parents if len({path.drive for path in parents}) == 1 else parents[:1])
+    names = [relative(path, base) for path in folders]
     common = set.intersection(*(set(run.overrides) for run in runs)) if len(runs) > 1 else set()
     own = [[word for word in run.overrides if word not in common] for run in runs]
     about = [f"{len(runs)} runs in {base}" + (f", all with {' '.join(sorted(common))}" if common else "")]
@@ -255,7 +256,7 @@ def runs_content(
                 "note": run.note,
                 "laws": ", ".join(filter(None, [run.under_laws, run.doubt])),
                 "design": done.index(i) if i in done else None,
-                "link": quote(Path(os.path.relpath(run.folder, folder), "report.html").as_posix())
+                "link": quote(Path(relative(run.folder, folder), "report.html").as_posix())
                 if (run.folder / "report.html").is_file()
                 else None,
             }

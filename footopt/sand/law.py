@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from footopt.arrays import Array
-from footopt.errors import Unusable, check, is_number
+from footopt.errors import Unusable, check, check_kind, check_number
 
 LARGEST = 1e4  # of a coefficient, N/cm^3; concrete has less
 PER_CM3 = 1e6  # N/cm^3 in N/m^3
@@ -72,7 +72,7 @@ class StressMap:
         for f in fields(self):
             value = getattr(self, f.name)
             allowed = f"from -{LARGEST:g} to {LARGEST:g}, in N/cm^3"
-            check(abs(value) <= LARGEST, f"sand.coefficients.{f.name}", value, allowed)
+            check_number(f"sand.coefficients.{f.name}", value, -LARGEST, LARGEST, allowed)
 
     @property
     def law(self) -> Law:
@@ -230,8 +230,9 @@ class Sand:
 
     def __post_init__(self) -> None:
         allowed = "a number > 0, from 1e-6 to 1e6 (soft sand 0.2, the generic material 1, hard sand 5)"
-        good = is_number(self.zeta) and 1e-6 <= self.zeta <= 1e6
-        check(good, "sand.zeta", self.zeta, allowed, "Try sand=regular or sand.zeta=1.")
+        check_number("sand.zeta", self.zeta, 1e-6, 1e6, allowed, "Try sand=regular or sand.zeta=1.")
+        check_kind(self.stress_map, StressMap, "sand", "fo.StressMap(A00=0.2) changes a coefficient.")
+        object.__setattr__(self, "zeta", float(self.zeta))  # 5 and 5.0 have the same designs in a store
 
     @property
     def title(self) -> str:

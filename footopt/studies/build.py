@@ -10,7 +10,7 @@ from omegaconf import DictConfig, OmegaConf
 
 from footopt.design import Choice, FootProblem
 from footopt.effects import EFFECTS, Effect
-from footopt.errors import SettingError, check
+from footopt.errors import SettingError, check, check_number
 from footopt.files.gaits import read_gait, read_strides
 from footopt.files.io import load_module
 from footopt.files.soles import read_foot
@@ -45,7 +45,7 @@ def absolute(settings: DictConfig) -> dict[str, Any]:
     def locate(name: str, value: Any) -> Any:
         if isinstance(value, Mapping):
             return {key: locate(f"{name}.{key}".lstrip("."), one) for key, one in value.items()}
-        if isinstance(value, list):
+        if isinstance(value, list | tuple):
             return [locate(name, one) for one in value]
         module = str(value).startswith("pkg://") or (name == "plugins" and not value.endswith(".py"))
         is_file = value and name in PATHS and not module
@@ -78,7 +78,7 @@ def check_trusted(
 
 def make_sand(config: SandConfig) -> Sand:
     """The sand of the settings; one of `MEDIA` that was changed no longer has its name."""
-    check(0 <= config.spread <= 1, "sand.spread", config.spread, "a standard deviation >= 0 and <= 1")
+    check_number("sand.spread", config.spread, 0, 1, "a standard deviation >= 0 and <= 1")
     stress_map = StressMap(**asdict(config.coefficients))
     if config.table is None:
         own = MEDIA.get(config.name, config.zeta) != config.zeta or stress_map != GENERIC

@@ -3,7 +3,7 @@
 import logging
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, cast
@@ -84,6 +84,9 @@ class Run:
     version: str = __version__  # of the footopt that wrote it
     trusted: bool = False  # whether plugins that the settings name are run, and a store elsewhere written to
 
+    def __getstate__(self) -> dict[str, Any]:
+        return {field.name: vars(self)[field.name] for field in fields(self)}  # not what has been cached
+
     def __repr__(self) -> str:
         best = "; ".join(
             f"{name} {value:.4g}" for name, value in self.objectives.items() if value is not None
@@ -147,9 +150,9 @@ class Run:
         if path.is_file():
             frame = pandas.read_csv(path, dtype={"reason": object}).fillna({"reason": ""})
             return frame.astype({"feasible": bool, "on_front": bool}).rename_axis("design")
-        if not self.result:
+        if not self.result or self.settings["study"]["name"] != "optimize":
             hint = "run.search().to_frame() reads its store, and walks what is missing."
-            raise FileError(f"{self.folder}: has not ended. {hint}")
+            raise FileError(f"{self.folder}: has no designs.csv. {hint}")
         return self.search().to_frame()
 
     def walk(self, accuracy: AnyAccuracy | str | None = None) -> Walk:

@@ -1,6 +1,5 @@
 """`Study`, a run at work; and the rules by which a run may begin or be resumed in a folder."""
 
-import os
 import shlex
 from collections.abc import Collection, Mapping, Sequence
 from concurrent.futures import Executor
@@ -89,7 +88,7 @@ class Study(Output):
     def origin(self) -> dict[str, str]:
         """The run for the page's commands: its folder, as seen from here, and its overrides."""
         overrides = [one for one in self.overrides if not one.startswith("study.start=")]
-        return {"folder": shlex.quote(os.path.relpath(self.folder)), "overrides": shlex.join(overrides)}
+        return {"folder": shlex.quote(files.relative(self.folder)), "overrides": shlex.join(overrides)}
 
 
 def opened(folder: Path, path: str | Path, problem: FootProblem, reuse: bool, own: bool) -> Store:

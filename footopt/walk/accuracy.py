@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import Any, Self, TypeAlias
 
-from footopt.errors import check, check_whole
+from footopt.errors import check, check_number, check_whole
 from footopt.foot.plates import RULES
 from footopt.walk.steppers import STEPPERS
 
@@ -57,10 +57,10 @@ class Accuracy:
         check(self.rule in RULES, "accuracy.rule", self.rule, f"one of {', '.join(RULES)}")
         steppers = f"one of {', '.join(STEPPERS)}"
         check(self.stepper in STEPPERS, "accuracy.stepper", self.stepper, steppers)
-        check(LEAST_DT <= self.dt <= 1.0, "accuracy.dt", self.dt, "a time step from 1e-9 to 1, in s")
+        check_number("accuracy.dt", self.dt, LEAST_DT, 1.0, "a time step from 1e-9 to 1, in s")
         check_whole(self.plates, "accuracy.plates", 2, MOST_PLATES, "The paper's is 100.")
         speed, hint = "a speed from 1e-12 to 1, in m/s", "At zero speed the law is set-valued. Try 1e-4."
-        check(LEAST <= self.creep <= 1.0, "accuracy.creep", self.creep, speed, hint)
+        check_number("accuracy.creep", self.creep, LEAST, 1.0, speed, hint)
         known = self.control is None or LEAST <= self.control <= 1.0
         check(known, "accuracy.control", self.control, f"null, or {speed}", "Try 1e-4.")
 
@@ -122,7 +122,7 @@ class Tolerance:
 
     def __post_init__(self) -> None:
         hint = "Use accuracy=reference, or set dt, plates and creep by hand."
-        check(1e-5 <= self.error <= 0.5, "accuracy.tolerance", self.error, "a number from 1e-5 to 0.5", hint)
+        check_number("accuracy.tolerance", self.error, 1e-5, 0.5, "a number from 1e-5 to 0.5", hint)
         Accuracy(self.stepper, rule=self.rule, **self.by_hand)  # which checks them
 
     @property

@@ -1,19 +1,25 @@
-"""The compiled functions of a walk with a user's own effects or stepper, by a digest of their source."""
+"""A user's own functions and types: what a walk with them depends on, and its compiled functions."""
 
 import ast
+import dis
 import hashlib
 import inspect
 import marshal
 import os
+import pickle
 import site
 import sys
 import sysconfig
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import accumulate
+from numbers import Number
 from pathlib import Path
+from types import CodeType
 from typing import Any
+
+import numpy as np
 
 from footopt.compiled import cached_njit, wide_njit
 from footopt.effects.base import HOOKS
@@ -22,7 +28,7 @@ from footopt.effects.base import HOOKS
 FOLDERS = (
     Path(__file__).parents[1],
     sysconfig.get_path("stdlib"),
-    *site.getsitepackages(),
+    *set(site.getsitepackages()) - {sys.prefix, sys.base_prefix},  # on Windows, as all that is below them
     site.getusersitepackages(),
 )
 INSTALLED = tuple(f"{folder}{os.sep}" for folder in FOLDERS)
@@ -98,3 +104,38 @@ def compiled_for(function: Callable[..., Any], laws: Sequence[Any], stepper: Any
     own = own_code(laws, stepper)
     key = digest_of(tuple(thing for thing in own if not isinstance(thing, type)))
     return _compiled(function, (key, own), wide_njit if own else cached_njit)
+
+
+def fingerprint(own: Any, within: tuple[Any, ...] = ()) -> tuple[str, str]:
+    """Of a user's type or function the name, and a digest of its file and of what is bound to it."""
+    inner = own.func if isinstance(own, partial) else own
+    named = inner if hasattr(inner, "__qualname__") else type(inner)
+    digest = hashlib.sha256(source_of(named))
+    bound: list[Any] = [own.args, own.keywords] if isinstance(own, partial) else []
+    bound += [cell.cell_contents for cell in getattr(inner, "__closure__", None) or ()]
+    bound += [getattr(inner.__self__, "__dict__", None)] if inspect.ismethod(inner) else []
+    for function in (
+        [inner] if hasattr(inner, "__code__") else filter(inspect.isfunction, vars(named).values())
+    ):
+        named_ones = [function.__globals__.get(name) for name in _names(function.__code__)]
+        if "__file__" in function.__globals__:  # which says what they are, but for what a script changes
+            named_ones = [one for one in named_ones if isinstance(one, Number | str | tuple | np.ndarray)]
+        bound += named_ones
+    within = (*within, inner)
+    for one in filter(inspect.isfunction, bound):  # a function's own, and not itself again
+        digest.update(b"" if one in within else fingerprint(one, within)[1].encode())
+    kept = [getattr(inner, name, None) for name in ("__defaults__", "__kwdefaults__")]
+    for one in [*bound, *kept, *([] if named is inner else [getattr(inner, "__dict__", None)])]:
+        with suppress(Exception):  # what cannot be pickled is a function, whose file says what it does
+            digest.update(pickle.dumps(one))
+    module = "__main__" if named.__module__ == "__mp_main__" else named.__module__  # a worker's name of it
+    return f"{module}.{named.__qualname__}", digest.hexdigest()
+
+
+def _names(code: CodeType) -> Iterator[str]:
+    """The names that code looks up but does not set, also that of functions and comprehensions in it."""
+    own = {one.argval for one in dis.get_instructions(code) if one.opname == "STORE_GLOBAL"}
+    yield from (name for name in code.co_names if name not in own)
+    for inner in code.co_consts:
+        if isinstance(inner, CodeType):
+            yield from _names(inner)

@@ -235,7 +235,7 @@ class Walk:
 
     def plates(self, index: ArrayLike) -> PlateStates:
         """Every plate's place, motion and force at some samples, by the walk's own law."""
-        i = np.asarray(index)
+        i = np.atleast_1d(index)
         rows = i if self.remembered is None else self.remembered[i]
         bristles = None if self.bristles is None else self.bristles[rows].astype(np.float64)
         constants = self.world.constants(self.accuracy)

@@ -10,7 +10,7 @@ import numpy as np
 from footopt.arrays import Array
 from footopt.effects import base as effects
 from footopt.effects.base import Effect, ordered
-from footopt.errors import check, check_kind, is_number
+from footopt.errors import TINY, check, check_kind, check_number, is_number
 from footopt.foot import Foot, Waypoints, as_plates
 from footopt.foot.plates import RULES
 from footopt.gait import Gait
@@ -115,7 +115,8 @@ class Scene(Simulator):
         moves, hint = math.isfinite(self.gait.start), "Try scene.t_f=10, or a finite gait.start."
         allowed = "given, in s, for a walker that stands still"
         check(self.t_f is not None or moves, "scene.t_f", None, allowed, hint)
-        check(self.t_f is None or 0 < self.t_f <= 1e5, "scene.t_f", self.t_f, "a time > 0 and <= 1e5, in s")
+        if self.t_f is not None:
+            check_number("scene.t_f", self.t_f, TINY, 1e5, "a time > 0 and <= 1e5, in s")
 
     @property
     def duration(self) -> float:

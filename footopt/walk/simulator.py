@@ -142,7 +142,8 @@ class FunctionSimulator(Simulator):
     def __post_init__(self) -> None:
         check(callable(self.function), "function", self.function, "a function of a Foot")
         check(not isinstance(self.quantities, str), "quantities", self.quantities, "a list of names")
-        name = getattr(self.function, "__qualname__", repr(self.function))
+        inner = getattr(self.function, "func", self.function)  # of a partial function
+        name = getattr(inner, "__qualname__", type(inner).__qualname__)
         object.__setattr__(self, "title", name.replace("_", " "))
         object.__setattr__(self, "quantities", tuple(self.quantities))
 

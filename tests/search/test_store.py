@@ -4,6 +4,8 @@ import contextlib
 import dataclasses
 import math
 import sqlite3
+import subprocess
+import sys
 import threading
 from functools import partial
 
@@ -282,3 +284,23 @@ def test_an_edit_of_footopts_own_code_is_other_code(tmp_path, monkeypatch):
         file.write_text(text)
         found.append(store_module._versions.__wrapped__())
     assert found[0] == found[2] != found[1]
+
+
+def test_a_store_sees_the_variables_of_a_script_that_its_functions_read(tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text(
+        "import footopt as fo\n"
+        "CALLS = 0\n"
+        "def work(foot):\n"
+        "    global CALLS\n"
+        "    CALLS += 1\n"
+        "    return {'work': SCALE * float(foot.contour[:, 1].mean())}\n"
+        "for SCALE in (1.0, 2.0, 2.0):\n"
+        "    problem = fo.FootProblem(fo.FunctionSimulator(work, ('work',)), 'work')\n"
+        "    result = fo.search(problem, walks=40, store='s.sqlite')\n"
+        "    print(result.reused, result.column('work')[result.best] / SCALE)\n"
+    )
+    done = subprocess.run([sys.executable, script], cwd=tmp_path, capture_output=True, text=True, check=True)
+    reused, best = zip(*(line.split() for line in done.stdout.splitlines()), strict=True)
+    assert reused == ("0", "0", "40")
+    assert len({*best}) == 1

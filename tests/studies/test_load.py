@@ -114,7 +114,7 @@ def test_all_runs_are_a_table_with_a_column_for_each_setting_objective_and_time(
     assert sorted(table["folder"]) == sorted(map(str, places))
     row = table.set_index("folder").loc[str(search.folder)]
     assert (row["sand.zeta"], row["solver.name"], row["walker.mass"]) == (0.2, "nsga2", 50.0)
-    assert row["work"] == search.best["work"]
+    assert row["work"] == search.objectives["work"]
     assert row["hypervolume"] == search.result["hypervolume"]
     assert row["wall_time_s"] > 0
     notes = table.set_index("folder")["note"]
