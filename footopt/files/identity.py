@@ -49,6 +49,8 @@ def locked(folder: Path) -> Iterator[None]:
         lock.acquire()
     except Timeout:
         raise Occupied(f"{folder}: another run is at work in this folder. Choose another.") from None
+    except OSError as error:  # some network drives lock nothing
+        raise FileError(f"{folder}: cannot be locked ({error}). Choose a folder elsewhere.") from None
     try:
         yield
     finally:

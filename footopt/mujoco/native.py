@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 from llvmlite import ir
-from numba import types
+from numba import config, types
 from numba.core import cgutils
 from numba.core.ccallback import CFunc
 from numba.extending import intrinsic
@@ -64,6 +64,7 @@ def functions(*names: str) -> tuple[int, ...]:
 
 def entry(function: Callable[..., Any], *arguments: Any, returns: Any = types.void, keep: bool = True) -> Any:
     """A C function, compiled once and cached on disk: code that calls its address does not compile it."""
+    check(not config.DISABLE_JIT, "NUMBA_DISABLE_JIT", config.DISABLE_JIT, "0: only compiled code walks")
     options = {"error_model": "numpy", "fastmath": FAST, "_nrt": False}
     made = CFunc(function, (arguments, returns), {}, options, pipeline_class=Wide)
     made = kept(made) if keep else made

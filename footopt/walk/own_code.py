@@ -20,9 +20,11 @@ from types import CodeType
 from typing import Any
 
 import numpy as np
+from numba import config
 
 from footopt.compiled import cached_njit, wide_njit
 from footopt.effects.base import HOOKS
+from footopt.errors import check
 
 #: Folders of footopt and of installed packages, whose versions stand for their code.
 FOLDERS = (
@@ -101,6 +103,7 @@ def compiled_for(function: Callable[..., Any], laws: Sequence[Any], stepper: Any
     With a user's own effect or stepper it is not cached on disk: every process reads that cache, and not all
     of them can import the user's types. It is compiled again after they are edited.
     """
+    check(not config.DISABLE_JIT, "NUMBA_DISABLE_JIT", config.DISABLE_JIT, "0: only compiled code walks")
     own = own_code(laws, stepper)
     key = digest_of(tuple(thing for thing in own if not isinstance(thing, type)))
     return _compiled(function, (key, own), wide_njit if own else cached_njit)

@@ -1,10 +1,11 @@
 """The command line end to end, as a user runs it, in an empty folder."""
 
 import json
+import os
 from importlib.util import find_spec
 
 import pytest
-from running import QUICK, footopt, only_folder
+from running import QUICK, footopt, only_folder, program
 
 import footopt as fo
 from footopt.studies.load import foot_of
@@ -93,3 +94,20 @@ def test_a_walk_that_sinks_is_a_result_with_a_reason(tmp_path):
     result = json.loads((only_folder(tmp_path) / "result.json").read_text())
     assert (result["feasible"], result["reason"]) == (False, "sunk")
     assert result["objectives"]["peak_power"] is None
+
+
+def test_output_goes_to_a_pipe_and_a_drive_that_cannot_take_its_names(tmp_path, monkeypatch):
+    folder = tmp_path / "Łódź (1)"
+    folder.mkdir()
+    monkeypatch.setenv("PYTHONIOENCODING", "ascii")
+    first = program("study=simulate", "report=none", "hydra.run.dir=first", cwd=folder)
+    assert (first.returncode, (folder / "first/result.json").is_file()) == (0, True)
+    again = program("study=simulate", f"run={folder / 'first'}", "hydra.run.dir=again", cwd=folder)
+    assert again.returncode == 0
+
+    def apart(path, start):
+        raise ValueError("path is on mount 'D:', start on mount 'C:'")
+
+    monkeypatch.setattr(os.path, "relpath", apart)
+    assert footopt("study=simulate", f"hydra.run.dir={tmp_path / 'run'}", cwd=tmp_path).returncode == 0
+    assert (tmp_path / "run/report.html").is_file()

@@ -10,7 +10,10 @@ import numpy as np
 import pytest
 from hydra import compose, initialize_config_dir
 from hydra.core.config_store import ConfigStore
+from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.errors import HydraException
+from hypothesis import given
+from hypothesis import strategies as st
 from omegaconf.errors import OmegaConfBaseException
 from running import composed, tries
 
@@ -47,6 +50,15 @@ def test_infinity_is_what_the_pages_and_the_messages_say():
     assert composed(*hydra_overrides(["foot.box_tolerance=.inf"])).foot.box_tolerance == math.inf
     assert hydra_overrides(["foot.box_tolerance=0.05,.inf"]) == ["foot.box_tolerance=0.05,inf"]
     assert hydra_overrides(["sand.name=my.inf"]) == ["sand.name=my.inf"]
+
+
+@given(st.text("aZ0 .-_+()&äßŁ@!;=", min_size=1))
+def test_a_folder_is_named_as_a_shell_passes_it_on(text):
+    folder = f"out/{text}x"
+    (override,) = OverridesParser.create().parse_overrides(hydra_overrides([f"run={folder}"]))
+    assert (override.key_or_group, override.value()) == ("study.run", folder)
+    (override,) = OverridesParser.create().parse_overrides(hydra_overrides([f"foot.path=~/{folder}"]))
+    assert override.value() == f"{Path.home().as_posix()}/{folder}"
 
 
 class TestDefaults:
@@ -101,12 +113,12 @@ UNNAMED = ("coarse",)
 
 class TestBuild:
     def test_numbers_by_hand_are_held_and_others_found(self):
-        for given, expected in (
+        for numbers, expected in (
             ({"name": "custom", "tolerance": 0.01}, fo.Tolerance(0.01)),
             ({"name": "fine", "plates": 300}, fo.Tolerance(0.0005, plates=300)),
             ({"name": "custom", "plates": 300}, fo.Accuracy(plates=300)),
         ):
-            assert build.make_accuracy(AccuracyConfig(**given)) == expected
+            assert build.make_accuracy(AccuracyConfig(**numbers)) == expected
 
     def test_a_table_of_stresses_or_coefficients_make_a_sand(self):
         path = Path(__file__).parents[2] / "examples" / "sand" / "stresses.csv"
