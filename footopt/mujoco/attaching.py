@@ -91,12 +91,8 @@ class Contact:
         world, acting = _laws(sand, ordered(effects))
         g = float(np.linalg.norm(model.opt.gravity)) / EARTH
         check(feet, "feet", {}, "a body and its foot, at least")
-        check(
-            is_number(plates, Integral) and plates >= 4 and plates % 2 == 0,
-            "plates",
-            plates,
-            "an even number from 4",
-        )
+        even = is_number(plates, Integral) and plates >= 4 and plates % 2 == 0
+        check(even, "plates", plates, "an even number from 4")
         level = world.tilt == 0.0
         check(level, "effects", "an inclined plane", "on a level one", "Tilt model.opt.gravity.")
         bodies, tables, first, soles = np.zeros(len(feet), BODY), [], 0, dict[int, Array]()

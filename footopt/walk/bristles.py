@@ -70,7 +70,7 @@ def bend(before, after, part, world, sole, poses, hip, c):
 
     part: how much of the stage `after` belongs to; 1 is its end. hip: its `Motion` at the end of the stage.
     """
-    transition_speed = transition_speed_of(world.bristle_length, world, c)
+    transition = transition_speed_of(world.bristle_length, world, c)
     share = part * c / (c + world.retardation)
     for foot in range(2):
         ankle = in_world(ankle_of(poses, foot), hip)
@@ -84,7 +84,7 @@ def bend(before, after, part, world, sole, poses, hip, c):
         ex, ez = bristles_between(after, foot, first, last)
         for i in range(len(plates.x)):
             motion = kinematics(ankle, plates.x[i], plates.z[i])
-            h = direction(motion, transition_speed, 0.0, e0, i)
+            h = direction(motion, transition, 0.0, e0, i)
             in_sand = 1.0 if motion.z < 0.0 else 0.0
             x, z = e0[0][i] + share * (h.x - e0[0][i]), e0[1][i] + share * (h.z - e0[1][i])
             in_sand *= rsqrt(max(x * x + z * z, 1.0))  # beyond its stage a slope may lead out of the disc

@@ -62,8 +62,8 @@ def kinematics(ankle, x, z):
 
 
 @inlined_fast
-def direction(motion, transition_speed, within, e0, i):
-    """h of plate i: v / |v|, smoothed over transition_speed and the plate's rotation, or held by bristles.
+def direction(motion, transition, within, e0, i):
+    """h of plate i: v / |v|, smoothed over `transition` and the plate's rotation, or held by bristles.
 
     Along a plate that rotates the velocity differs by `within`, m/s: near the centre of the rotation the mean
     direction over the plate is smooth where the direction at its middle jumps. Bristles are bent from `e0`
@@ -71,11 +71,9 @@ def direction(motion, transition_speed, within, e0, i):
     """
     vx, vz = motion.vx, motion.vz
     if e0 is None:
-        rate = rsqrt(
-            vx * vx + vz * vz + (transition_speed * transition_speed + TURN * TURN * within * within)
-        )
+        rate = rsqrt(vx * vx + vz * vz + (transition * transition + TURN * TURN * within * within))
         return Direction(vx * rate, vz * rate, rate, 1.0)
-    turn = 1.0 / transition_speed
+    turn = 1.0 / transition
     ux, uz = e0[0][i] + vx * turn, e0[1][i] + vz * turn
     square = ux * ux + uz * uz
     inside = rsqrt(max(square, 1.0))
@@ -111,7 +109,7 @@ def outward_normal(tangent, i, ankle):
 
 
 @inlined_fast
-def lead(tangent, i, motion, nx, nz, h, transition_speed, within, e0, stage):
+def lead(tangent, i, motion, nx, nz, h, transition, within, e0, stage):
     """How far plate i leads, for gates: n.v over its smoothing width, or n.h over `EDGE`.
 
     The width is the range of speeds along the normal within a plate that rotates and is bent. The plate leads
@@ -123,11 +121,7 @@ def lead(tangent, i, motion, nx, nz, h, transition_speed, within, e0, stage):
         vx, vz = motion.vx, motion.vz
         bent = BENT * tangent.turn[i]
         bent *= bent
-        square = (
-            transition_speed * transition_speed
-            + EXPOSED * EXPOSED * within * within
-            + bent * (vx * vx + vz * vz)
-        )
+        square = transition * transition + EXPOSED * EXPOSED * within * within + bent * (vx * vx + vz * vz)
         narrow = rsqrt(square)
         ratio = (vx * nx + vz * nz) / (square * narrow)
         wider = ratio * bent * narrow  # the width grows with the speed
@@ -138,7 +132,7 @@ def lead(tangent, i, motion, nx, nz, h, transition_speed, within, e0, stage):
 
 
 @inlined_fast
-def plate_force(law, acting, part, i, ankle, transition_speed, stage, e0):
+def plate_force(law, acting, part, i, ankle, transition, stage, e0):
     """The force on plate i of a foot, with the effects of a scene; arguments as in `foot_force`.
 
     zeta load share (a - M h) dA - pressure n dA, N in x and z, each a `Dual` in an implicit stage; the
@@ -148,11 +142,11 @@ def plate_force(law, acting, part, i, ankle, transition_speed, stage, e0):
     motion = kinematics(ankle, part.x[i], part.z[i])
     depth, x = positive(placed(stage, -motion.z, 0.0, -1.0)), placed(stage, motion.x, 1.0, 0.0)
     within = ankle.rate * part.span
-    h = direction(motion, transition_speed, within, e0, i)
+    h = direction(motion, transition, within, e0, i)
 
     nx, nz = outward_normal(part.tangent, i, ankle)
     vn = dual(stage, motion.vx * nx + motion.vz * nz, nx, nz)
-    leads = lead(part.tangent, i, motion, nx, nz, h, transition_speed, within, e0, stage)
+    leads = lead(part.tangent, i, motion, nx, nz, h, transition, within, e0, stage)
     felt = area * effects.load(acting.loads, depth, x) * effects.gate(acting.gates, leads, depth)
 
     cos2, sin2 = ankle.cos * ankle.cos - ankle.sin * ankle.sin, 2.0 * ankle.sin * ankle.cos
@@ -165,15 +159,15 @@ def plate_force(law, acting, part, i, ankle, transition_speed, stage, e0):
 
 
 @inlined_fast
-def foot_force(law, acting, part, ankle, transition_speed, stage, e0):
+def foot_force(law, acting, part, ankle, transition, stage, e0):
     """F = sum of f over some plates: the paper's eq. 2, with their power and derivatives.
 
     law: the stress map times zeta, N/m^3. acting: `Laws` of the scene's effects. part: the plates. ankle: in
-    the world. transition_speed, stage: see `contact`. e0: bristles of these plates, (e_x, e_z), or None.
+    the world. transition, stage: see `contact`. e0: bristles of these plates, (e_x, e_z), or None.
     """
     x = z = power = xx = xz = zx = zz = 0.0
     for i in range(len(part.x)):
-        fx, fz, motion, _, _ = plate_force(law, acting, part, i, ankle, transition_speed, stage, e0)
+        fx, fz, motion, _, _ = plate_force(law, acting, part, i, ankle, transition, stage, e0)
         x += value(fx)
         z += value(fz)
         power += value(fx) * motion.vx + value(fz) * motion.vz  # eq. 7
@@ -185,15 +179,15 @@ def foot_force(law, acting, part, ankle, transition_speed, stage, e0):
 
 
 @inlined
-def part_force(world, sole, first, last, ankle, transition_speed, stage, e0):
+def part_force(world, sole, first, last, ankle, transition, stage, e0):
     """`foot_force` of the plates first..last of a sole, without the gates where they are bypassed."""
     acting = world.effects
     if world.bypass:
         part = plates_between(sole, acting.pushes, first, last)
         laws = Laws(acting.loads, None, acting.pushes)
-        return foot_force(world.law, laws, part, ankle, transition_speed, stage, e0)
+        return foot_force(world.law, laws, part, ankle, transition, stage, e0)
     part = plates_between(sole, True, first, last)
-    return foot_force(world.law, acting, part, ankle, transition_speed, stage, e0)
+    return foot_force(world.law, acting, part, ankle, transition, stage, e0)
 
 
 @inlined
@@ -219,14 +213,14 @@ def _lowest(sole, block, cos, sin):
 
 
 @inlined
-def contact(world, sole, poses, hip, transition_speed, stage, e0, counts):
+def contact(world, sole, poses, hip, transition, stage, e0, counts):
     """`Contact` of both feet with the sand.
 
-    poses: (2 feet, 7), both feet relative to the hip (`state.ankle_of`). transition_speed: over which the
-    direction of a plate turns, m/s: the creep speed eps; with bristles, delta over the time for which they
-    have followed the plates. stage: dx/dv_x = dz/dv_z in an implicit stage, s: how the hip's place follows
-    from its velocity; None leaves the derivatives out, which are then 0. e0: bristles at the beginning of
-    that time, (2 feet, 2, plates), or None. counts: a record of `COUNTS`, added to.
+    poses: (2 feet, 7), both feet relative to the hip (`state.ankle_of`). transition: over which a plate's
+    direction turns, m/s: the creep speed eps; with bristles, delta over the time for which they have followed
+    the plates. stage: dx/dv_x = dz/dv_z in an implicit stage, s: how the hip's place follows from its
+    velocity; None leaves the derivatives out, which are then 0. e0: bristles at the beginning of that time,
+    (2 feet, 2, plates), or None. counts: a record of `COUNTS`, added to.
     """
     counts.evaluations += 1
     left, right = ALOFT.left, ALOFT.right
@@ -237,7 +231,7 @@ def contact(world, sole, poses, hip, transition_speed, stage, e0, counts):
         if first < last:
             counts.plates += last - first
             bristles = bristles_between(e0, foot, first, last)
-            force = part_force(world, sole, first, last, ankle, transition_speed, stage, bristles)
+            force = part_force(world, sole, first, last, ankle, transition, stage, bristles)
         left, right = right, force
     return Contact(left, right, ALOFT.reversal)
 

@@ -23,9 +23,7 @@ STICKING = 1e-3  # the same where bristles hold plates: the law is bent where th
 MAX_NEWTON = 200  # contact evaluations of one implicit stage, before it is left unsolved
 SHORTEST = 2.0**-16  # part of a step of Newton's method
 INSIDE = 0.999  # |w| at most; beyond it a foot slides, and steps are those of the velocity
-SMOOTH_STEP = (
-    2.0  # largest last step over the transition speed, where a foot reverses or an effect has a gate
-)
+SMOOTH_STEP = 2.0  # largest last step over the transition, where a foot reverses or an effect has a gate
 
 
 @inlined
@@ -46,19 +44,19 @@ def solve_stage(world, sole, poses, start, c, vx, vz, e0, reversal, counts):
     the hip's motion and the contact at the stage's end, and whether it is solved.
     """
     inv = c / world.mass
-    transition_speed = transition_speed_of(world.bristle_length, world, c)
+    transition = transition_speed_of(world.bristle_length, world, c)
     hip = Motion(start.x + c * vx, start.z + c * vz, vx, vz)
-    plate, vx, vz = first_guess(sole, poses, hip, reversal, transition_speed, e0)
+    plate, vx, vz = first_guess(sole, poses, hip, reversal, transition, e0)
     best, best_vx, best_vz, dvx, dvz, part, side = np.inf, vx, vz, 0.0, 0.0, 1.0, 1.0
     for _ in range(MAX_NEWTON):
         hip = Motion(start.x + c * vx, start.z + c * vz, vx, vz)
-        at = contact(world, sole, poses, hip, transition_speed, c, e0, counts)
+        at = contact(world, sole, poses, hip, transition, c, e0, counts)
         rx, rz = residual(world, start, c, hip, at)
         square = rx * rx + rz * rz
         if square <= best:
             best, best_vx, best_vz, part = square, vx, vz, min(2.0 * part, 1.0) if gated(world) else 1.0
             dvx, dvz = newton_step(inv, at, rx, rz)
-            if converged(world, sole, poses, vx, vz, dvx, dvz, at, transition_speed, plate):
+            if converged(world, sole, poses, vx, vz, dvx, dvz, at, transition, plate):
                 vx, vz = vx + dvx, vz + dvz
                 end = Motion(start.x + c * vx, start.z + c * vz, vx, vz)
                 left, right = _extrapolated(at.left, dvx, dvz), _extrapolated(at.right, dvx, dvz)
@@ -66,7 +64,7 @@ def solve_stage(world, sole, poses, start, c, vx, vz, e0, reversal, counts):
             dvx, dvz = part * dvx, part * dvz
             vx, vz = stepped(plate, vx, vz, dvx, dvz, e0)
         elif plate.foot == NO_FOOT:
-            plate = reversing_plate(sole, poses, hip, best_vx, best_vz, transition_speed, e0)
+            plate = reversing_plate(sole, poses, hip, best_vx, best_vz, transition, e0)
             vx, vz = _middle_velocity(plate, best_vx, best_vz, vx, vz)
             best = np.inf
         elif part > SHORTEST:
@@ -106,7 +104,7 @@ def gated(world):
 
 
 @inlined
-def converged(world, sole, poses, vx, vz, dvx, dvz, at, transition_speed, plate):
+def converged(world, sole, poses, vx, vz, dvx, dvz, at, transition, plate):
     """Whether a step is small against the speed at which the plates of the slower foot move through the sand.
 
     That speed (`_speed`) is at least the creep speed, on which the law is smooth.
@@ -115,7 +113,7 @@ def converged(world, sole, poses, vx, vz, dvx, dvz, at, transition_speed, plate)
     size = abs(dvx) + abs(dvz)
     force = (abs(left.x) + abs(left.z)) + (abs(right.x) + abs(right.z))
     rounding = 1e-13 * (1.0 + abs(vx) + abs(vz))
-    speed = transition_speed
+    speed = transition
     if force > 0.0:
         # at rest a step that is small against the transition speed of bristles would be a drift
         speed *= 1.0 if world.bristle_length is None else 1e-3
@@ -125,7 +123,7 @@ def converged(world, sole, poses, vx, vz, dvx, dvz, at, transition_speed, plate)
         enough = min(enough, SMOOTH_STEP * plate.speed)
     if gated(world):
         slower = min(abs(ankle_of(poses, 0).rate), abs(ankle_of(poses, 1).rate))
-        enough = min(enough, SMOOTH_STEP * _smooth_speed(sole, slower, transition_speed))
+        enough = min(enough, SMOOTH_STEP * _smooth_speed(sole, slower, transition))
     return size <= rounding or (force > 0.0 and size <= enough + rounding)
 
 
@@ -170,24 +168,24 @@ NO_PLATE = Plate(NO_FOOT, 0.0, 0.0, 1.0, 0.0)
 
 
 @inlined
-def deepest_plate(sole, poses, foot, transition_speed, e0):
+def deepest_plate(sole, poses, foot, transition, e0):
     """The deepest plate of a foot in a stage."""
     ankle = ankle_of(poses, foot)
     i, height = lowest(sole, ankle)
     motion = kinematics(ankle, sole.plates[0, i], sole.plates[1, i])
-    speed = _smooth_speed(sole, ankle.rate, transition_speed)
+    speed = _smooth_speed(sole, ankle.rate, transition)
     x, z = _held(e0, foot, i)
     return Plate(foot, -motion.vx - speed * x, -motion.vz - speed * z, speed, height)
 
 
 @inlined
-def _smooth_speed(sole, rate, transition_speed):
+def _smooth_speed(sole, rate, transition):
     """The speed over which a plate's direction turns, m/s; a gate opens over no less.
 
     rate: of the foot's pitch, rad/s.
     """
     within = TURN * rate * sole.span
-    return np.sqrt(transition_speed * transition_speed + within * within)
+    return np.sqrt(transition * transition + within * within)
 
 
 @inlined
@@ -199,14 +197,14 @@ def _held(e0, foot, i):
 
 
 @inlined
-def reversing_plate(sole, poses, hip, vx, vz, transition_speed, e0):
+def reversing_plate(sole, poses, hip, vx, vz, transition, e0):
     """The plate of the foot whose motion reverses on the way from (vx, vz), m/s, to the hip's velocity.
 
     Of the feet in the sand, that with the smaller |w| half-way.
     """
     found, least = NO_PLATE, np.inf
     for foot in range(2):
-        plate = deepest_plate(sole, poses, foot, transition_speed, e0)
+        plate = deepest_plate(sole, poses, foot, transition, e0)
         x, z = _middle_direction(plate, vx, vz, hip.vx, hip.vz)
         if hip.z + plate.height < 0.0 and x * x + z * z < least:
             found, least = plate, x * x + z * z
@@ -214,10 +212,10 @@ def reversing_plate(sole, poses, hip, vx, vz, transition_speed, e0):
 
 
 @inlined
-def first_guess(sole, poses, hip, reversal, transition_speed, e0):
+def first_guess(sole, poses, hip, reversal, transition, e0):
     """The plate whose motion reverses as a stage begins, and the hip's velocity with the w before it."""
     if reversal.foot != NO_FOOT:
-        plate = deepest_plate(sole, poses, reversal.foot, transition_speed, e0)
+        plate = deepest_plate(sole, poses, reversal.foot, transition, e0)
         if hip.z + plate.height < 0.0:
             vx, vz = _velocity(plate, reversal.x, reversal.z, hip.vx, hip.vz)
             return plate, vx, vz

@@ -10,7 +10,7 @@ import numpy as np
 from footopt.arrays import Array
 from footopt.effects import base as effects
 from footopt.effects.base import Effect, ordered
-from footopt.errors import TINY, check, check_kind, check_number, is_number
+from footopt.errors import TINY, check, check_kind, check_number
 from footopt.foot import Foot, Waypoints, as_plates
 from footopt.foot.plates import RULES
 from footopt.gait import Gait
@@ -70,7 +70,7 @@ class Walker:
         for name, (unit, low, high) in WALKERS.items():
             value = getattr(self, name)
             allowed = f"a number > 0, from {low:g} to {high:g}, in {unit}"
-            check(is_number(value) and low <= value <= high, f"walker.{name}", value, allowed)
+            check_number(f"walker.{name}", value, low, high, allowed)
 
     @property
     def weight(self) -> float:

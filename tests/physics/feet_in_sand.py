@@ -25,9 +25,9 @@ def pose_of(height, pitch, rate):
     return (0.0, height, 0.0, 0.0, math.cos(pitch), math.sin(pitch), rate)
 
 
-def both_feet(world, sole, poses, hip, transition_speed, stage, counts):
+def both_feet(world, sole, poses, hip, transition, stage, counts):
     """`contact` without bristles, to be compiled for Python."""
-    return contact(world, sole, poses, hip, transition_speed, stage, None, counts)
+    return contact(world, sole, poses, hip, transition, stage, None, counts)
 
 
 def feel(plates, pose, vx, vz, *on, zeta=1.0, creep=1e-2, stage=None, x=0.0, z=0.0):

@@ -62,8 +62,8 @@ def explicit_contact(world, sole, poses, hip, e0, time, counts):
 
     e0: bristles at the step's beginning, or None. time: since then, s, for which they have followed plates.
     """
-    transition_speed = transition_speed_of(world.bristle_length, world, time)
-    return contact(world, sole, poses, hip, transition_speed, world.given, e0, counts)
+    transition = transition_speed_of(world.bristle_length, world, time)
+    return contact(world, sole, poses, hip, transition, world.given, e0, counts)
 
 
 @inlined
