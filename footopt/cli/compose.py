@@ -81,7 +81,10 @@ def _at_home(found: re.Match[str]) -> str:
 
 def _quoted(path: str) -> str:
     """A path as Hydra's grammar takes it: in quotes where it has umlauts or parentheses, say."""
-    return path if re.fullmatch(r"[\w./:+%@$ -]*", path, re.ASCII) else "'" + path.replace("'", "\\'") + "'"
+    with suppress(HydraException):
+        OverridesParser.create().parse_override(f"path={path}")
+        return path
+    return "'" + re.sub(r"(\\*)('|$)", lambda at: 2 * at[1] + (at[2] and "\\'"), path) + "'"
 
 
 def task_overrides(here: Any, kind: str = "task") -> list[str]:

@@ -224,7 +224,7 @@ def better_zetas(problem: FootProblem, foot: Ints, flat: Ints) -> tuple[float | 
     def turn(direction: int) -> float | None:
         """The zeta where the lead is 0, interpolated between the last step with a lead and the next one."""
         there = direction * (len(leads(direction, own)) - 1)
-        found = leads(direction, numbers_at(there))  # harder sand takes other numbers
+        found = leads(direction, numbers_at(there))  # other sand takes other numbers
         if found[-1] > 0.0:
             return None
         before, after = found[-2:] if len(found) > 1 else (0.0, -1.0)  # by these numbers it may have none

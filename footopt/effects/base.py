@@ -51,7 +51,7 @@ def numbers(values: Sequence[float]) -> tuple[float, ...] | Array:
 def as_floats(effect: Effect, name: str) -> tuple[float, ...]:
     """A parameter of several numbers, which becomes a tuple of floats."""
     given = getattr(effect, name)
-    good = isinstance(given, list | tuple | np.ndarray) and all(map(is_number, given))
+    good = np.ndim(given) == 1 and all(map(is_number, given))
     check(good, f"effects.{name_of(effect)}.{name}", given, "a list of numbers")
     object.__setattr__(effect, name, tuple(map(float, given)))
     return getattr(effect, name)

@@ -65,13 +65,13 @@ class Foot:
         allowed = "at least two points (x_p, z_p) from -10 to 10, in m"
         given = np.array2string(contour, threshold=6, separator=", ")
         check(points and (np.abs(contour) <= 10.0).all(), "foot.contour", given, allowed)
-        ahead = contour[0, 0] <= contour[-1, 0] and (contour != contour[0]).any()
-        check(ahead, "foot.contour", given, "a line from heel to toe: its last x_p is the larger one")
+        ahead = contour[0, 0] <= contour[-1, 0] + 1e-9 and (contour != contour[0]).any()
+        check(ahead, "foot.contour", given, "a line from heel to toe: its last x_p is not the smaller one")
         check_dimensions(self.width, self.ankle, self.top, self.closed)
         object.__setattr__(self, "ankle", tuple(self.ankle))
         object.__setattr__(self, "contour", contour)
         if self.space is not None and self.k is not None:  # of a foot that `replace` has changed, too
-            object.__setattr__(self, "k", tuple(map(int, self.k)))
+            object.__setattr__(self, "k", tuple(self.space.check(self.k)[0].tolist()))
             own = {name: getattr(self, name) for name in ("width", "ankle", "closed", "top")}
             space, drawn = replace(self.space, **own), self.space.contour(self.k)[0]
             there = contour.shape == drawn.shape and np.allclose(contour, drawn, rtol=0, atol=1e-9)

@@ -14,7 +14,7 @@ from footopt.mujoco import step as steps
 from footopt.mujoco.native import call, entry, functions, pointer
 from footopt.walk.own_code import own_code
 
-MOST_TRIES = 4  # of which limits of joints push
+MOST_TRIES = 4  # solutions of a step, each with those limits that push in the one before
 MOST = 256  # models on sand at once in one process
 #: A row for each attached model: addresses of its MjData, of its `Contact.addresses`, of its compiled step
 #: and of its first foot's name, which is never freed, and micrometres from that foot's origin to its

@@ -26,12 +26,12 @@ def align(address):
 
 
 @inlined_fast
-def stop(freedom, angle, speed):
+def stop(freedom, angle, pull, dt):
     """The limit that a joint has reached: its side, torque without acceleration, N m, and inertia, kg m^2.
 
     MuJoCo's soft constraint has the torque D (a_ref - a), a_ref = -brake v - stiff d r, D = d / ((1 - d)
     mobility), r how far the joint is beyond the limit, and d an impedance that rises with r from its least
-    value to its most. The side is 0 where there is no limit.
+    value to its most; a is the acceleration before the integrator adds damping. The side is 0 at no limit.
     """
     low, high = angle - freedom.range[0], freedom.range[1] - angle
     side, beyond = (1.0, -low) if low < high else (-1.0, -high)
@@ -45,7 +45,8 @@ def stop(freedom, angle, speed):
         y = 1.0 - (1.0 - middle) * ((1.0 - x) / (1.0 - middle)) ** power
     d = least + y * (most - least)
     inertia = d / ((1.0 - d) * freedom.mobility)
-    return side, inertia * (side * freedom.stiff * d * beyond - freedom.brake * speed), inertia
+    torque = inertia * (side * freedom.stiff * d * beyond - freedom.brake * pull.speed)
+    return side, torque, inertia * (1.0 + dt * freedom.mobility * (pull.added - pull.held))
 
 
 @called_fast
@@ -53,12 +54,12 @@ def hold(address, k):
     """Let the limit of a joint push, or push no longer if it did."""
     space = workspace(address)
     pull, freedom, dt = space.pulls[k], space.freedoms[k], space.step[0].dt
-    _, torque, inertia = stop(freedom, space.angles[0, freedom.place], pull.speed)
-    more = 1.0 - 2.0 * pull.held
-    pull.held += more
-    pull.torque += more * torque
-    pull.added += more * inertia / dt
-    pull.more += more * (inertia / dt * pull.change - torque)
+    _, torque, inertia = stop(freedom, space.angles[0, freedom.place], pull, dt)
+    torque, held = (-torque, 0.0) if pull.held > 0.0 else (torque, inertia / dt)
+    pull.torque += torque
+    pull.added += held - pull.held
+    pull.more += (held - pull.held) * pull.change - torque
+    pull.held = held
 
 
 @called_fast
@@ -68,7 +69,7 @@ def switched(address):
     able, changed = space.step[0].able, False
     for k in range(len(space.freedoms)):
         pull, freedom = space.pulls[k], space.freedoms[k]
-        side, torque, inertia = stop(freedom, space.angles[0, freedom.place], pull.speed)
+        side, torque, inertia = stop(freedom, space.angles[0, freedom.place], pull, space.step[0].dt)
         gain = pull.change / space.step[0].dt - space.answers[k, able] + space.gained[0, k]
         if side != 0.0 and (side * (torque - inertia * gain) > 0.0) != (pull.held > 0.0):
             hold(address, k)
@@ -111,7 +112,7 @@ def foresee(address, meaning):
         pull.torque -= pull.more + ahead * pull.speed
         pull.added += step.damped * freedom.damping + ahead
         pull.more = pull.past - pull.torque + pull.added * pull.change
-        side, torque, _ = stop(freedom, space.angles[0, freedom.place], pull.speed)
+        side, torque, _ = stop(freedom, space.angles[0, freedom.place], pull, dt)
         if side * torque > 0.0:
             hold(address, k)
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from footopt.arrays import Array
 
-#: The largest of the five numbers of an impedance.
-LARGEST = [0.9999, 0.9999, np.inf, 0.9999, np.inf]
+#: Smallest and largest numbers that MuJoCo takes for an impedance: at first, in the end, width, bend, power.
+IMPEDANCE = [1e-4, 1e-4, 1e-15, 1e-4, 1.0], [0.9999, 0.9999, np.inf, 0.9999, np.inf]
 RK4 = 1  # MuJoCo's number of its second explicit integrator; those after it are implicit
 
 #: A degree of freedom of MuJoCo's, in radians or metres.
@@ -62,21 +62,31 @@ def freedoms(mujoco: Any, model: Any) -> Any:
     limited = model.jnt_actfrclimited[turns, None]
     table["torques"] = -np.inf, np.inf
     table["torques"][rows] = np.where(limited, model.jnt_actfrcrange[turns], [-np.inf, np.inf])
-    table["range"], table["mobility"] = (-np.inf, np.inf), model.dof_invweight0
+    _add_limits(mujoco, model, table, turns)
+    return table
+
+
+def _add_limits(mujoco: Any, model: Any, table: Any, turns: Any) -> None:
+    """Write the limits of joints that are hinges or slides (`turns`) into the table of freedoms."""
+    rows, off, bits = model.jnt_dofadr[turns], model.opt.disableflags, mujoco.mjtDisableBit
+    table["range"], table["mobility"] = (-np.inf, np.inf), np.maximum(model.dof_invweight0, 1e-15)
     table["place"][rows] = model.jnt_qposadr[turns]
-    if not off & (mujoco.mjtDisableBit.mjDSBL_LIMIT | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT):
+    if not off & (bits.mjDSBL_LIMIT | bits.mjDSBL_CONSTRAINT):
         limited, margin = model.jnt_limited[turns, None], model.jnt_margin[turns, None]
         within = model.jnt_range[turns] + margin * [1.0, -1.0]
         table["range"][rows] = np.where(limited, within, [-np.inf, np.inf])
-    table["impedance"][rows] = impedance = np.clip(model.jnt_solimp[turns], 1e-4, LARGEST)
-    shortest = 0.0 if off & mujoco.mjtDisableBit.mjDSBL_REFSAFE else 2.0 * model.opt.timestep
-    for row, most, (time, ratio) in zip(rows, impedance[:, 1], model.jnt_solref[turns], strict=True):
+    shortest = 0.0 if off & bits.mjDSBL_REFSAFE else 2.0 * model.opt.timestep
+    impedances = np.clip(model.jnt_solimp[turns], *IMPEDANCE)
+    for row, impedance, (time, ratio) in zip(rows, impedances, model.jnt_solref[turns], strict=True):
+        most = impedance[1]
+        if impedance[2] <= IMPEDANCE[0][2]:  # no width: it does not rise
+            impedance[:2] = impedance[:2].mean()
         brake, stiff = -ratio / most, -time / most**2  # given as damping and stiffness, negative ...
-        if time > 0.0:  # ... or as a time, s, and a damping ratio
+        if time > 0.0 or ratio > 0.0:  # ... or as a time, s, and a damping ratio
+            time, ratio = (time, ratio) if min(time, ratio) > 0.0 else (0.02, 1.0)
             brake = 2.0 / (most * max(time, shortest))
-            stiff = (0.5 * brake / max(ratio, 1e-15)) ** 2
-        table["brake"][row], table["stiff"][row] = brake, stiff
-    return table
+            stiff = (0.5 * brake / ratio) ** 2
+        table["impedance"][row], table["brake"][row], table["stiff"][row] = impedance, brake, stiff
 
 
 def servos(mujoco: Any, model: Any) -> Any:

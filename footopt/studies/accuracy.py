@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from footopt.arrays import Array, Ints
-from footopt.errors import check_number
+from footopt.errors import check_whole
 from footopt.foot import Waypoints
 from footopt.report.figures.studies import work_precision
 from footopt.report.numbers import percent
@@ -49,7 +49,7 @@ class Measurement(NamedTuple):
 def run(study: Study) -> None:
     """Measure all settings and presets, and draw them."""
     count, scene, space = study.options.feet, study.scene, study.space
-    check_number("study.feet", count, 1, 10_000, "a whole number, 1 to 10,000")
+    check_whole(count, "study.feet", 1, 10_000)
     feet = space.random(count, seed=study.config.solver.seed, inside=True)
     with study.compiling("every stepper"):
         for stepper in STEPPERS:

@@ -14,7 +14,7 @@ from rich.table import Table
 from footopt.arrays import Array
 from footopt.design.to_print import drafted
 from footopt.effects import EFFECTS, Effect, name_of, parameters
-from footopt.errors import check, check_number
+from footopt.errors import check, check_whole
 from footopt.foot import Foot, Waypoints
 from footopt.report import terminal
 from footopt.report.numbers import percent
@@ -86,7 +86,7 @@ class Audit(NamedTuple):
 def run(study: Study) -> None:
     """Audit every effect on random feet."""
     count = study.options.feet
-    check_number("study.feet", count, 2, 10_000, "2, to rank them, to 10,000")
+    check_whole(count, "study.feet", 2, 10_000, "Two can be ranked.")
     scene, space, accuracy, limit = study.scene, study.space, study.accuracy, tolerance(study.config)
     feet = space.random(count, seed=study.config.solver.seed, inside=True)
     effects, found = every_effect(scene), list[Audit]()

@@ -61,8 +61,8 @@ class Accuracy:
         check_whole(self.plates, "accuracy.plates", 2, MOST_PLATES, "The paper's is 100.")
         speed, hint = "a speed from 1e-12 to 1, in m/s", "At zero speed the law is set-valued. Try 1e-4."
         check_number("accuracy.creep", self.creep, LEAST, 1.0, speed, hint)
-        known = self.control is None or LEAST <= self.control <= 1.0
-        check(known, "accuracy.control", self.control, f"null, or {speed}", "Try 1e-4.")
+        if self.control is not None:
+            check_number("accuracy.control", self.control, LEAST, 1.0, f"null, or {speed}", "Try 1e-4.")
 
     def refined(self, times: int = 1) -> Self:
         """Half the time step (under control an eighth of it), twice the plates, half the creep speed.

@@ -26,6 +26,7 @@ from footopt.compiled import cached_njit, wide_njit
 from footopt.effects.base import HOOKS
 from footopt.errors import check
 
+PLAIN = (Number, str, tuple, np.ndarray)
 #: Folders of footopt and of installed packages, whose versions stand for their code.
 FOLDERS = (
     Path(__file__).parents[1],
@@ -117,13 +118,10 @@ def fingerprint(own: Any, within: tuple[Any, ...] = ()) -> tuple[str, str]:
     bound: list[Any] = [own.args, own.keywords] if isinstance(own, partial) else []
     bound += [cell.cell_contents for cell in getattr(inner, "__closure__", None) or ()]
     bound += [getattr(inner.__self__, "__dict__", None)] if inspect.ismethod(inner) else []
-    for function in (
-        [inner] if hasattr(inner, "__code__") else filter(inspect.isfunction, vars(named).values())
-    ):
-        named_ones = [function.__globals__.get(name) for name in _names(function.__code__)]
-        if "__file__" in function.__globals__:  # which says what they are, but for what a script changes
-            named_ones = [one for one in named_ones if isinstance(one, Number | str | tuple | np.ndarray)]
-        bound += named_ones
+    kinds = filter(is_own, named.__mro__) if isinstance(named, type) else ()
+    methods = (one for kind in kinds for one in vars(kind).values())
+    for function in filter(inspect.isfunction, (getattr(inner, "__func__", inner), *methods)):
+        bound += _read(function)
     within = (*within, inner)
     for one in filter(inspect.isfunction, bound):  # a function's own, and not itself again
         digest.update(b"" if one in within else fingerprint(one, within)[1].encode())
@@ -135,10 +133,28 @@ def fingerprint(own: Any, within: tuple[Any, ...] = ()) -> tuple[str, str]:
     return f"{module}.{named.__qualname__}", digest.hexdigest()
 
 
-def _names(code: CodeType) -> Iterator[str]:
-    """The names that code looks up but does not set, also that of functions and comprehensions in it."""
-    own = {one.argval for one in dis.get_instructions(code) if one.opname == "STORE_GLOBAL"}
-    yield from (name for name in code.co_names if name not in own)
+def _read(function: Any) -> list[Any]:
+    """What a function reads of its module: of a notebook all, of a file what a script may change in it.
+
+    That are the numbers, texts, tuples and arrays that it, and the functions there that it calls, read and
+    that none sets. Lists and dictionaries are left out: they often keep what has been computed.
+    """
+    there = function.__globals__
+    if "__file__" not in there:
+        return [there.get(name) for name in _names(function.__code__, "LOAD_GLOBAL")]
+    own = {k: one for k, one in there.items() if inspect.isfunction(one) and one.__globals__ is there}
+    kept = {name for one in own.values() for name in _names(one.__code__, "STORE_GLOBAL")}
+    read, todo = dict[str, Any](), [function]
+    while todo:
+        new = {k: there.get(k) for k in _names(todo.pop().__code__, "LOAD_GLOBAL") if k not in read}
+        todo += [one for k, one in new.items() if k in own]
+        read |= new
+    return [one for k, one in read.items() if isinstance(one, PLAIN) and k not in kept and k[:2] != "__"]
+
+
+def _names(code: CodeType, *how: str) -> Iterator[str]:
+    """The names of a module that code, and functions within it, load or store."""
+    yield from dict.fromkeys(one.argval for one in dis.get_instructions(code) if one.opname in how)
     for inner in code.co_consts:
         if isinstance(inner, CodeType):
-            yield from _names(inner)
+            yield from _names(inner, *how)

@@ -179,12 +179,14 @@ def test_sand_foresees_which_limits_of_joints_push(request):
         least, most = np.sort(random.uniform(0.01, 0.99, 2))
         soft = f"{random.uniform(0.003, 0.05)} {random.uniform(0.3, 2.0)}"
         soft = random.choice([soft, f"{-random.uniform(1e3, 3e4)} {-random.uniform(30.0, 300.0)}"])
-        curve = (
-            f"{least} {most} {random.uniform(1e-4, 0.01)} {random.uniform(0.1, 0.9)} {random.integers(1, 4)}"
-        )
+        width, bend, power = random.choice([0.0, 1e-4, 0.01]), random.uniform(0.1, 0.9), random.integers(4)
+        curve = f"{least} {most} {width} {bend} {power}"
         limits = f'limited="true" range="{-random.uniform(0.0, 0.004)} {random.uniform(0.0, 0.004)}"'
         limits += f' margin="{random.choice([0.0, 0.001])}" solimplimit="{curve}" solreflimit="{soft}"'
-        leg = LEG.format(integrator="Euler", spring=limits, servo='motor gear="60000"', flags="")
+        limits += random.choice(["", ' stiffness="1e4"', ' damping="100"'])
+        servo = random.choice(['motor gear="60000"', 'position kp="6e4" kv="100"'])
+        integrator = random.choice(["Euler", "implicitfast"])
+        leg = LEG.format(integrator=integrator, spring=limits, servo=servo, flags="")
         model = mujoco.MjModel.from_xml_string(leg)
         data = mujoco.MjData(model)
         contact = attach(model, data, {"foot": fo.Foot.flat()}, HARD)

@@ -291,10 +291,12 @@ def test_a_store_sees_the_variables_of_a_script_that_its_functions_read(tmp_path
     script.write_text(
         "import footopt as fo\n"
         "CALLS = 0\n"
+        "def depth(foot):\n"
+        "    return SCALE * float(foot.contour[:, 1].mean())\n"
         "def work(foot):\n"
         "    global CALLS\n"
         "    CALLS += 1\n"
-        "    return {'work': SCALE * float(foot.contour[:, 1].mean())}\n"
+        "    return {'work': depth(foot)}\n"
         "for SCALE in (1.0, 2.0, 2.0):\n"
         "    problem = fo.FootProblem(fo.FunctionSimulator(work, ('work',)), 'work')\n"
         "    result = fo.search(problem, walks=40, store='s.sqlite')\n"
