@@ -22,7 +22,7 @@ from footopt.mujoco.callback import ATTACHED, FORGOT, MOST, callback, compiled, 
 from footopt.mujoco.implicit import ROOM
 from footopt.mujoco.joints import RK4, freedoms, servos
 from footopt.mujoco.native import functions, memory, remembering
-from footopt.mujoco.step import BEGIN, BEND, BODY, COUNTED, END, MEAN, PULL, STEP, TRACED, Workspace
+from footopt.mujoco.step import BEGIN, BEND, BODY, COUNTED, DRIFT, END, MEAN, STEP, TRACED, Workspace
 from footopt.sand import Sand
 from footopt.sand.law import EARTH
 from footopt.walk.accuracy import Accuracy
@@ -134,32 +134,30 @@ class Contact:
             step["time"].ctypes.data, jacobian.ctypes.data, ctypes.addressof(FORGOT),
         )  # fmt: skip
         kept = {  # from step to step
-            "moment": (1, 3), "spent": (2, len(feet)), "pulls": (model.nv, PULL.itemsize // 8),
-            "gained": (1, model.nv), "bristles": (3, 3 * first), "vectors": (6, n),
+            "moment": (1, 3), "spent": (2, len(feet)), "drift": (DRIFT, model.nv), "gained": (1, model.nv),
+            "bristles": (3, 3 * first), "vectors": (6, n),
         }  # fmt: skip
         room = 24.0 * traced * remembers * first
         allowed = "long enough that the traced memory of the sand fits into 4 GB"
         check(room <= MOST_BYTES, "accuracy.dt", float(model.opt.timestep), allowed, "Try accuracy=fine.")
         scratch = {
             "frame": (len(feet), 9), "history": (traced * remembers, 3 * first), "factor": (1, data.M.size),
-            "answers": (model.nv, n + 1), "mobility": (n, n), "stiffness": (n, 6),
+            "answers": (model.nv, n), "mobility": (n, n), "stiffness": (n, 6),
             "system": (n + 1, n + 1), "room": (ROOM, n),
         }  # fmt: skip
         ends = np.cumsum([math.prod(shape) for shape in kept.values()]).tolist()
         self.memory = memory(model, data, ends[-1])
-        split = zip(kept.items(), np.split(self.memory, ends[:-1]), strict=True)
-        parts = {name: part.reshape(shape) for (name, shape), part in split}
-        parts["pulls"] = parts["pulls"].view(PULL)[:, 0]
+        parts = zip(kept.items(), np.split(self.memory, ends[:-1]), strict=True)
         self._space = Workspace(
             step=step, bodies=bodies, freedoms=freedoms(mujoco, model), servos=servos(mujoco, model),
             controls=data.ctrl[None], activations=data.act[None],
             lengths=data.actuator_length[None], speeds=data.actuator_velocity[None],
             columns=model.M_colind[None].astype(np.int64), inertia=data.M[None], places=data.xpos,
-            attitude=data.xmat.reshape(-1, 9), angles=data.qpos[None], velocity=data.qvel[None],
-            passive=data.qfrc_passive[None],
+            attitude=data.xmat.reshape(-1, 9), velocity=data.qvel[None], passive=data.qfrc_passive[None],
             faces=np.concatenate(tables)[None], jacobian=jacobian, trace=np.full((traced, n), np.nan),
             chosen=np.zeros((3, n), np.int64), outside=np.array([outside]),
-            **parts, **{name: np.zeros(shape) for name, shape in scratch.items()},
+            **{name: part.reshape(shape) for (name, shape), part in parts},
+            **{name: np.zeros(shape) for name, shape in scratch.items()},
         )  # fmt: skip
         self.model, self.data, self.names, self._bodies = model, data, tuple(feet), bodies
         self.acting = world.effects

@@ -9,12 +9,11 @@ from typing import Any
 import numpy as np
 from numba import carray, cfunc, types
 
-from footopt.mujoco import foresight, implicit
+from footopt.mujoco import implicit
 from footopt.mujoco import step as steps
 from footopt.mujoco.native import call, entry, functions, pointer
 from footopt.walk.own_code import own_code
 
-MOST_TRIES = 4  # solutions of a step, each with those limits that push in the one before
 MOST = 256  # models on sand at once in one process
 #: A row for each attached model: addresses of its MjData, of its `Contact.addresses`, of its compiled step
 #: and of its first foot's name, which is never freed, and micrometres from that foot's origin to its
@@ -35,15 +34,12 @@ def passive(model, data, address):
         linear, body = outside[steps.JACOBIAN] + 48 * columns * b, np.int32(space.bodies[b].row)
         call(outside[steps.JAC_BODY], (model, data, linear, linear + 24 * columns, body))
     if call(outside[steps.BEGIN], (address, meaning)):
-        for tried in range(MOST_TRIES):
-            call(outside[steps.PREPARE], (address,))
-            for stage in range(2):
-                implicit.predict(address, stage)
-                call(outside[steps.NEWTON], (address, stage))
-                call(outside[steps.BEND], (address, stage))
-            implicit.give(address)
-            if tried == MOST_TRIES - 1 or not foresight.switched(address):
-                break
+        call(outside[steps.PREPARE], (address,))
+        for stage in range(2):
+            implicit.predict(address, stage)
+            call(outside[steps.NEWTON], (address, stage))
+            call(outside[steps.BEND], (address, stage))
+        implicit.give(address)
         if meaning == steps.RESTART and step.restarts == 2 and step.time > 0.0:
             call(outside[steps.WARN], (outside[steps.WORDS],))  # the first time that bristles are reset
     if meaning != steps.HOLD:
@@ -58,7 +54,7 @@ def compiled() -> dict[Any, Any]:
     """The compiled functions of a step that are the same for any sand, by their numbers or names."""
     one, whole = types.intp, types.int32
     return {
-        steps.BEGIN: entry(foresight.begin, one, one, returns=whole),
+        steps.BEGIN: entry(steps.begin, one, one, returns=whole),
         steps.PREPARE: entry(implicit.prepare, one),
         steps.NEWTON: entry(implicit.newton, one, one),
         steps.BEND: entry(implicit.bend, one, one),

@@ -6,10 +6,9 @@ was. So a step solves the motion of the feet alone over its length, by SDIRK2 (`
     dV/dt = a + W F(V, places),   W = J inv(M + dt D) J'
 
 with the twists V of the bodies near the sand, J their Jacobian, M MuJoCo's inertia, D the damping of joints
-and servos that its integrator takes implicitly and the inertia of limits that push, and F the sand's
-wrenches, all in the bodies' own axes. a is their acceleration by everything but the sand: that of the step
-before, from the change of their twists, less what joints and servos pull back since then. MuJoCo gets the
-mean of F.
+and servos that its integrator takes implicitly, and F the sand's wrenches, all in the bodies' own axes. a is
+their acceleration by everything but the sand: that of the step before, from the change of their twists, less
+what springs and dampers of joints and servos pull back since then. MuJoCo gets the mean of F.
 """
 
 import numpy as np
@@ -33,16 +32,15 @@ TIGHT = 1e-3  # last step of Newton's method over the speed of the feet; the for
 
 @called_fast
 def responses(address, rows):
-    """inv(M + dt D) of rows of J and of pulls, by L' L along the tree (Featherstone 2008, section 6.5)."""
+    """inv(M + dt D) J' of rows of J by L' L along the tree of joints (Featherstone 2008, section 6.5)."""
     space = workspace(address)
     freedoms, columns, m, x, n = space.freedoms, space.columns[0], space.factor[0], space.answers, len(rows)
     for a in range(len(m)):
         m[a] = space.inertia[0, a]
     for k in range(len(freedoms)):
-        m[freedoms[k].last] += space.step[0].dt * space.pulls[k].added
+        m[freedoms[k].last] += space.step[0].dt * space.drift[steps.ADDED, k]
         for j in range(n):
             x[k, j] = space.jacobian[rows[j], k]
-        x[k, n] = space.pulls[k].more
     for k in range(len(freedoms) - 1, -1, -1):
         first, last = freedoms[k].first, freedoms[k].last
         m[last] = 1.0 / m[last]
@@ -52,13 +50,13 @@ def responses(address, rows):
             for j in range(i.last - i.first + 1):  # ancestors of an ancestor come first in a row
                 m[i.first + j] -= share * m[first + j]
             m[a] *= m[last]
-            for j in range(n + 1):
+            for j in range(n):
                 x[columns[a], j] -= m[a] * x[k, j]
     for k in range(len(freedoms)):
-        for j in range(n + 1):
+        for j in range(n):
             x[k, j] *= m[freedoms[k].last]
         for a in range(freedoms[k].first, freedoms[k].last):
-            for j in range(n + 1):
+            for j in range(n):
                 x[k, j] -= m[a] * x[columns[a], j]
 
 
@@ -236,7 +234,7 @@ def prepare(address):
     near, moves, rows, bodies, n = space.chosen[0], space.chosen[1], space.chosen[2], 0, 0
     for b in range(len(space.bodies)):
         if space.bodies[b].near:
-            near[bodies], space.spent[steps.PENDING, b] = b, 0.0
+            near[bodies] = b
             for i in range(6):
                 row, r = 6 * b + i, 6 * bodies + i
                 room[BASE, r], room[SUM, r] = -0.5 * step.dt * vectors[steps.TWIST, row], 0.0
@@ -252,7 +250,7 @@ def prepare(address):
         for i in range(6 * bodies):
             row[i] = 0.0
         for k in range(len(own)):
-            pull += own[k] * x[k, n]
+            pull += x[k, p] * space.drift[steps.PULL, k]
             for q in range(n):
                 row[moves[q]] += own[k] * x[k, q]
         room[FREELY, moves[p]] = vectors[steps.FREE, rows[p]] - pull

@@ -1,4 +1,4 @@
-"""Tables of the joints and servos of a MuJoCo model, from which `foresight` tells their forces."""
+"""Tables of the joints and servos of a MuJoCo model, from which `step.pulls` foresees their forces."""
 
 from __future__ import annotations
 
@@ -8,8 +8,6 @@ import numpy as np
 
 from footopt.arrays import Array
 
-#: Smallest and largest numbers that MuJoCo takes for an impedance: at first, in the end, width, bend, power.
-IMPEDANCE = [1e-4, 1e-4, 1e-15, 1e-4, 1.0], [0.9999, 0.9999, np.inf, 0.9999, np.inf]
 RK4 = 1  # MuJoCo's number of its second explicit integrator; those after it are implicit
 
 #: A degree of freedom of MuJoCo's, in radians or metres.
@@ -20,12 +18,6 @@ FREEDOM = np.dtype(
         ("damping", float),  # of the joint, N m s
         ("stiffness", float),  # of the joint, N m
         ("torques", float, 2),  # range of all its servos together, N m
-        ("place", np.int64),  # of its angle in qpos
-        ("range", float, 2),  # within the limits of its joint, where MuJoCo has no force
-        ("impedance", float, 5),  # at these limits, with their ...
-        ("stiff", float),  # stiffness, 1/s^2, and ...
-        ("brake", float),  # damping, 1/s, both for each unit of impedance
-        ("mobility", float),  # 1 / (kg m^2)
     ]
 )
 
@@ -62,31 +54,7 @@ def freedoms(mujoco: Any, model: Any) -> Any:
     limited = model.jnt_actfrclimited[turns, None]
     table["torques"] = -np.inf, np.inf
     table["torques"][rows] = np.where(limited, model.jnt_actfrcrange[turns], [-np.inf, np.inf])
-    _add_limits(mujoco, model, table, turns)
     return table
-
-
-def _add_limits(mujoco: Any, model: Any, table: Any, turns: Any) -> None:
-    """Write the limits of joints that are hinges or slides (`turns`) into the table of freedoms."""
-    rows, off, bits = model.jnt_dofadr[turns], model.opt.disableflags, mujoco.mjtDisableBit
-    table["range"], table["mobility"] = (-np.inf, np.inf), np.maximum(model.dof_invweight0, 1e-15)
-    table["place"][rows] = model.jnt_qposadr[turns]
-    if not off & (bits.mjDSBL_LIMIT | bits.mjDSBL_CONSTRAINT):
-        limited, margin = model.jnt_limited[turns, None], model.jnt_margin[turns, None]
-        within = model.jnt_range[turns] + margin * [1.0, -1.0]
-        table["range"][rows] = np.where(limited, within, [-np.inf, np.inf])
-    shortest = 0.0 if off & bits.mjDSBL_REFSAFE else 2.0 * model.opt.timestep
-    impedances = np.clip(model.jnt_solimp[turns], *IMPEDANCE)
-    for row, impedance, (time, ratio) in zip(rows, impedances, model.jnt_solref[turns], strict=True):
-        most = impedance[1]
-        if impedance[2] <= IMPEDANCE[0][2]:  # no width: it does not rise
-            impedance[:2] = impedance[:2].mean()
-        brake, stiff = -ratio / most, -time / most**2  # given as damping and stiffness, negative ...
-        if time > 0.0 or ratio > 0.0:  # ... or as a time, s, and a damping ratio
-            time, ratio = (time, ratio) if min(time, ratio) > 0.0 else (0.02, 1.0)
-            brake = 2.0 / (most * max(time, shortest))
-            stiff = (0.5 * brake / ratio) ** 2
-        table["impedance"][row], table["brake"][row], table["stiff"][row] = impedance, brake, stiff
 
 
 def servos(mujoco: Any, model: Any) -> Any:

@@ -1,4 +1,4 @@
-"""One time step of MuJoCo on sand: all that it reads and writes, and the meaning of a call of the callback.
+"""One time step of MuJoCo on sand: the meaning of a call of the callback, and the beginning of a step.
 
 MuJoCo's Euler and implicit steps move places by the new velocity, which is the leapfrog: velocities belong
 to the middle of steps, and to places half a step back. RK4's belong to the same time.
@@ -13,7 +13,7 @@ from numba.extending import intrinsic
 from numba.np.arrayobj import populate_array
 
 from footopt.compiled import called_fast, inlined, inlined_fast
-from footopt.mujoco.faces import dot
+from footopt.mujoco.faces import AREA, COLUMNS, NX, NZ, X, Y, Z, cross, dot, plus
 from footopt.mujoco.joints import FREEDOM, SERVO
 
 AGAIN, NEW, HOLD, RESTART = range(4)
@@ -57,19 +57,6 @@ BODY = np.dtype(
     ]
 )
 
-#: What joints, servos and limits do to a degree of freedom.
-PULL = np.dtype(
-    [
-        ("speed", float),
-        ("more", float),  # by how much more they pull back than in the step before, N m, ...
-        ("past", float),  # ... and its part that this step does not change
-        ("change", float),  # of the speed in the step before, but for the sand
-        ("torque", float),  # of servos and limits, N m
-        ("added", float),  # damping that MuJoCo's integrator adds to the inertia, N m s
-        ("held", float),  # 1 where a limit pushes
-    ]
-)
-
 #: Rows of `Workspace.vectors`: twists at the beginning, m/s and rad/s; mean wrenches over the step before, N
 #: and N m; accelerations by all but the sand, and by the sand; mean wrenches that it gives, and the end's.
 TWIST, BEFORE, FREE, GAINED, MEAN, END = range(6)
@@ -78,6 +65,10 @@ TWIST, BEFORE, FREE, GAINED, MEAN, END = range(6)
 BEGAN, START, SEEN = range(3)
 #: Rows of `Workspace.spent`: work of the sand over the steps before, J, and over the step.
 WORK, PENDING = range(2)
+#: Rows of `Workspace.drift`: speeds; by how much more joints and servos pull back than in the step before,
+#: N m, and its part that this step's servos do not change; how speeds changed but for the sand; the servos'
+#: torques, N m, and the damping that MuJoCo's integrator adds to the inertia, N m s.
+SPEED, PULL, PAST, CHANGE, TORQUE, ADDED, DRIFT = range(7)
 
 #: Addresses: functions of MuJoCo's, of footopt's, and what is read and written.
 GET_STATE, JAC_BODY, WARN, BEGIN, PREPARE, NEWTON, BEND, WRENCHES, TIME, JACOBIAN, WORDS, OUTSIDE = range(12)
@@ -98,7 +89,6 @@ class Workspace(NamedTuple):
     inertia: Any  # (1, nC): MuJoCo's
     places: Any  # (nbody, 3), m: MuJoCo's xpos
     attitude: Any  # (nbody, 9): xmat
-    angles: Any  # (1, nq): qpos
     velocity: Any  # (1, nv): qvel
     passive: Any  # (1, nv): qfrc_passive
     controls: Any  # (1, nu): ctrl
@@ -108,7 +98,7 @@ class Workspace(NamedTuple):
     faces: Any  # (1, 10 p): `faces.X` and so on, a body's as (10, its faces)
     moment: Any  # (1, 3)
     spent: Any  # (2, b)
-    pulls: Any  # (nv,) of `PULL`
+    drift: Any  # (`DRIFT`, nv)
     gained: Any  # (1, nv): by the mean wrenches
     bristles: Any  # (3, 3 p): at the step's beginning, middle, end
     vectors: Any  # (6, 6 b): of the bodies' origins in their own axes, linear, then angular; see `TWIST`
@@ -146,7 +136,7 @@ def _workspace(typingctx: Any, table: Any) -> Any:
             arrays.append(array._getvalue())
         return context.make_tuple(builder, signature.return_type, arrays)
 
-    kinds = {"step": STEP, "bodies": BODY, "freedoms": FREEDOM, "servos": SERVO, "pulls": PULL}
+    kinds = {"step": STEP, "bodies": BODY, "freedoms": FREEDOM, "servos": SERVO}
     plain = {name: np.dtype(np.int64 if name in WHOLE else float) for name in Workspace._fields}
     given = (plain | kinds).values()
     arrays = [types.Array(from_dtype(of), 2 - bool(of.fields), "C", aligned=not of.fields) for of in given]
@@ -181,6 +171,114 @@ def inner(a, b):
     for i in range(len(a)):
         total += a[i] * b[i]
     return total
+
+
+@called_fast
+def align(address):
+    """Turn the Jacobian from the world's axes to the bodies' own ones in the middle of the step."""
+    space = workspace(address)
+    for i in range(0, len(space.jacobian), 3):
+        rows, axes = space.jacobian[i : i + 3], space.frame[i // 6]
+        for j in range(rows.shape[1]):
+            row = rows[0, j], rows[1, j], rows[2, j]
+            for a in range(3):
+                rows[a, j] = dot((axes[a], axes[3 + a], axes[6 + a]), row)
+
+
+@called_fast
+def pulls(address, meaning):
+    """Find by how much more joints and servos pull back in a step than in the one before."""
+    space = workspace(address)
+    step, drift, dt = space.step[0], space.drift, space.step[0].dt
+    for k in range(len(space.freedoms)):
+        freedom, speed = space.freedoms[k], space.velocity[0, k]
+        if meaning != AGAIN:
+            gain = speed - drift[SPEED, k]
+            pull = freedom.damping * gain + dt * freedom.stiffness * speed + drift[TORQUE, k]
+            drift[CHANGE, k] = gain - dt * space.gained[0, k] if meaning == NEW else 0.0
+            drift[PAST, k] = pull - drift[ADDED, k] * drift[CHANGE, k] if meaning == NEW else 0.0
+        drift[SPEED, k], drift[TORQUE, k], drift[ADDED, k], drift[PULL, k] = speed, 0.0, 0.0, 0.0
+        space.gained[0, k] = 0.0
+    for i in range(len(space.servos)):
+        servo = space.servos[i]
+        k, length, speed = servo.freedom, space.lengths[0, servo.output], space.speeds[0, servo.output]
+        direct = servo.control >= 0
+        given = space.controls[0, servo.control] if direct else space.activations[0, servo.activation]
+        given = min(max(given, servo.inputs[0]), servo.inputs[1])
+        by_length, by_speed = servo.bias[1] + servo.gain[1] * given, servo.bias[2] + servo.gain[2] * given
+        free = servo.bias[0] + servo.gain[0] * given + by_length * length + by_speed * speed
+        drift[TORQUE, k] += servo.gear * min(max(free, servo.forces[0]), servo.forces[1])
+        if step.implicit and servo.forces[0] < free < servo.forces[1]:
+            drift[ADDED, k] -= servo.gear * servo.gear * (by_speed + step.ahead * by_length)
+            drift[PULL, k] -= servo.gear * step.ahead * by_length * speed
+    for k in range(len(space.freedoms)):
+        freedom, torque = space.freedoms[k], drift[TORQUE, k]
+        drift[TORQUE, k] = min(max(torque, freedom.torques[0]), freedom.torques[1])
+        if step.freed and drift[TORQUE, k] != torque:
+            drift[ADDED, k] = drift[PULL, k] = 0.0
+        ahead = step.ahead * freedom.stiffness
+        drift[TORQUE, k] -= drift[PULL, k] + ahead * drift[SPEED, k]
+        drift[ADDED, k] += step.damped * freedom.damping + ahead
+        drift[PULL, k] = drift[PAST, k] - drift[TORQUE, k] + drift[ADDED, k] * drift[CHANGE, k]
+
+
+def begin(address, meaning):
+    """Begin a step, after a RESTART with all sunk straight down; whether the sand is to be solved for."""
+    space = workspace(address)
+    if meaning == HOLD:
+        align(address)
+        return False
+    step, vectors, velocity, any_near = space.step[0], space.vectors, space.velocity[0], False
+    late = 0.5 * step.dt * step.rk4  # from MuJoCo's places to the middle
+    for b in range(len(space.bodies)):
+        body, rows = space.bodies[b], space.jacobian[6 * b : 6 * b + 6]
+        vz = inner(rows[2], velocity)
+        spin = inner(rows[3], velocity), inner(rows[4], velocity), inner(rows[5], velocity)
+        axes, height, frame = space.attitude[body.row], space.places[body.row, 2], space.frame[b]
+        for a in range(3):
+            axis = axes[a], axes[3 + a], axes[6 + a]
+            frame[a], frame[3 + a], frame[6 + a] = plus(axis, late, cross(spin, axis))
+        body.height = height + late * vz
+        turned = abs(spin[0]) + abs(spin[1])
+        margin = 2.0 * step.dt * (abs(vz) + turned * body.reach + 10.0 * step.dt)
+        low = end = np.inf
+        if height - body.reach < margin:
+            faces = space.faces[0, COLUMNS * body.first : COLUMNS * body.last]
+            faces, up = faces.reshape(COLUMNS, body.last - body.first), (axes[6], axes[7], axes[8])
+            for i in range(faces.shape[1]):
+                middle = height + dot(up, (faces[X, i], faces[Y, i], faces[Z, i]))
+                rise = body.half * faces[AREA, i] * abs(up[0] * faces[NZ, i] - up[2] * faces[NX, i])
+                low, end = min(low, middle), min(end, middle - rise)
+        body.depth, body.near = max(-end, 0.0), low < margin
+        any_near = any_near or low < margin
+        if meaning == NEW:
+            space.spent[WORK, b] += space.spent[PENDING, b]
+        elif meaning == RESTART:
+            count = body.last - body.first
+            for i in range(3 * count):
+                space.bristles[2, 3 * body.first + i] = -frame[6 + i // count]
+        body.power = space.spent[PENDING, b] = 0.0
+    align(address)
+    step.steps += meaning == NEW
+    step.restarts += meaning == RESTART
+    for i in range(vectors.shape[1]):
+        twist, frame = inner(space.jacobian[i], velocity), space.frame[i // 6]
+        if meaning == NEW:
+            vectors[BEFORE, i] = vectors[MEAN, i]
+            vectors[FREE, i] = (twist - vectors[TWIST, i]) / step.dt - vectors[GAINED, i]
+        elif meaning == RESTART:
+            vectors[BEFORE, i] = vectors[FREE, i] = 0.0
+            if i % 6 < 3:
+                g, a = step.gravity, i % 6
+                vectors[FREE, i] = dot((g[0], g[1], g[2]), (frame[a], frame[3 + a], frame[6 + a]))
+        vectors[TWIST, i] = twist
+        vectors[GAINED, i] = vectors[MEAN, i] = vectors[END, i] = 0.0
+    pulls(address, meaning)
+    for i in range(space.bristles.shape[1]):
+        if meaning != AGAIN:
+            space.bristles[0, i] = space.bristles[2, i]
+        space.bristles[2, i] = 0.0
+    return any_near
 
 
 @called_fast
