@@ -201,14 +201,13 @@ class Soles(Sequence[Foot]):
 
 def as_feet(feet: Any, space: Waypoints | None = None) -> Sequence[Foot]:
     """Feet as they are, one foot as a list of one, and heights of waypoints (designs, n) as `Soles`."""
-    own = isinstance(feet, Foot) or (isinstance(feet, Sequence) and isinstance(next(iter(feet), None), Foot))
-    check(not own or space is None, "space", space, "None for Foot objects: each has its own")
-    if isinstance(feet, Foot):
-        return [feet]
     if isinstance(feet, Soles):
         return feet
+    feet = [feet] if isinstance(feet, Foot) else feet
     if isinstance(feet, Sequence) and any(isinstance(foot, Foot) for foot in feet):
         check(all(isinstance(foot, Foot) for foot in feet), "feet", feet, "all Foot, or all waypoint heights")
+        own = space is None or all(foot.space in (None, space) for foot in feet)
+        check(own, "space", space, "that of the Foot objects, or None: each has its own")
         return feet
     try:
         heights = np.atleast_2d(np.asarray(feet))

@@ -252,3 +252,17 @@ class TestFoot:
         foot = fo.Foot(contour)
         assert {foot, fo.Foot(contour.copy(), name="again")} == {foot}
         assert len({foot, fo.Foot(contour, width=0.08), fo.Foot(1.01 * contour)}) == 3
+
+
+def test_feet_are_of_their_own_space_and_keep_their_own_contour():
+    foot, line = fo.Foot.flat(), np.array([[-0.1, -0.03], [0.1, -0.03]])
+    assert fo.evaluate([foot], space=foot.space).feasible.all()
+    with pytest.raises(ValueError, match="space"):
+        fo.evaluate([foot], space=fo.Waypoints(n=5))
+    own = fo.Foot(line)
+    line += 0.01
+    assert own.contour[0, 1] == -0.03
+    with pytest.raises(ValueError, match="read-only"):
+        own.contour[0, 1] = 0.0
+    with pytest.raises(ValueError, match="heel to toe"):
+        fo.Foot(line[::-1])
