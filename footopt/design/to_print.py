@@ -166,9 +166,8 @@ def candidates(
             most = len(start) if law.scene == problem.scene else walks  # that has been searched
             with suppress(FootoptError):  # no foot walks
                 begin = _different([*found[::-1], start])
-                best = search(alone, solver(most), store=kept, executor=executor, start=begin).uninterrupted(
-                    doing
-                )
+                best = search(alone, solver(most), store=kept, executor=executor, start=begin)
+                best.uninterrupted(doing)
                 reference = _size(best.column(name)[best.feasible], name)
                 walked.append((law, reference, Evaluator(alone, kept, executor)))
                 found.append(best.k[[best.best]])

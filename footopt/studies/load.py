@@ -88,9 +88,7 @@ class Run:
         return {field.name: vars(self)[field.name] for field in fields(self)}  # not what has been cached
 
     def __repr__(self) -> str:
-        best = "; ".join(
-            f"{name} {value:.4g}" for name, value in self.objectives.items() if value is not None
-        )
+        best = "; ".join(f"{k} {v:.4g}" for k, v in self.objectives.items() if v is not None)
         return f"<Run {self.folder}: {' '.join(self.overrides) or 'as it is'}; {best or 'no result'}>"
 
     @cached_property
