@@ -179,7 +179,7 @@ class Foot:
 
 def lower_hull(contour: Array) -> tuple[Array, int]:
     """A sole (m, 2), m, filled up to its lower convex hull, and its point that is farthest above that."""
-    hull = filled(contour[None], 0.0)[0]
+    hull = filled(contour[None].copy(), 0.0)[0]  # compiled for arrays that can be written to
     return hull, int(np.argmax(contour[:, 1] - hull[:, 1]))
 
 
