@@ -140,7 +140,7 @@ class Archive:
     def _volume(self, front: Ints) -> float:
         """Hypervolume of the front, in units of the box of what the first generation walked."""
         if self._box is None:
-            f = self._f[self.designs.reasons == ""]
+            f = self._f[self._g[:, 0] <= 0.0]  # with all values
             if not len(f) or (np.ptp(f, axis=0) == 0.0).any():
                 return math.nan
             self._box = f.max(axis=0), np.ptp(f, axis=0)

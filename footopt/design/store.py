@@ -229,11 +229,11 @@ def key_of(problem: FootProblem) -> dict[str, Any]:
     """All that determines what is recorded of a design, in JSON's types; the box's tolerance does not."""
     space = typed_json(problem.space)
     del space["box_tolerance"]
-    stepper = STEPPERS[problem.accuracy.stepper].parameters
+    stepper = STEPPERS[problem.accuracy.stepper]
     scenes = [scenario.scene for scenario in getattr(problem, "scenarios", ())] or [problem.scene]
     judges = [MEASURES[name].value for name in problem.record if name in MEASURES]
     kinds = type(problem).__mro__
-    own = [*judges, *own_code((), stepper), *kinds[: kinds.index(FootProblem)]]
+    own = [*judges, *own_code((), stepper.parameters), *kinds[: kinds.index(FootProblem)]]
     own += [each for scene in scenes for each in scene.own()]
     digests: dict[str, str] = {}
     for name, digest in map(fingerprint, filter(is_own, own)):
@@ -242,6 +242,7 @@ def key_of(problem: FootProblem) -> dict[str, Any]:
         "problem": type(problem).__name__,
         **{name: typed_json(value) for name, value in problem.conditions.items()},
         "accuracy": typed_json(problem.accuracy),
+        "stepper": typed_json(stepper),  # a plugin may give a name to other parameters
         "space": space,
         "record": typed_json(problem.record),
         # the files of a user's own objectives, effects, stepper and problem

@@ -208,7 +208,8 @@ def better_zetas(problem: FootProblem, foot: Ints, flat: Ints) -> tuple[float | 
         soles = np.stack([foot, flat])
         table = evaluate(soles, at(step), numbers, (name,), problem.space, problem.threads)
         ours, flat_one = table.values
-        return -float(regret(ours, flat_one, name)[0]) if table.feasible.all() else -math.inf
+        known = table.feasible.all() and np.isfinite(table.values).all()
+        return -float(regret(ours, flat_one, name)[0]) if known else -math.inf
 
     def numbers_at(step: int) -> Accuracy:
         return numerics(drafted(problem.accuracy), at(step), problem.space)

@@ -136,8 +136,9 @@ def claim_folder(folder: Path, settings: Mapping[str, Any], overrides: Sequence[
     begun = (folder / FILE).exists()
     left = {path.name for path in folder.iterdir()} - {FILE, LOCK, LOG, ERROR_FILE}
     if left & {"result.json", "designs.sqlite"} or (begun and left):
-        there = read(folder, "hydra.run.dir").settings if begun else {}
-        if names := changed_settings(settings, there):
+        if not begun:
+            raise Occupied(f"{folder}: holds files of a run, and no {FILE} that says of which. {other}")
+        if names := changed_settings(settings, read(folder, "hydra.run.dir").settings):
             raise Occupied(
                 f"{folder}: holds another run, which differs in {', '.join(names[:4])}. "
                 f"footopt resume=... goes on with it. {other}"

@@ -19,6 +19,7 @@ import numpy as np
 
 from footopt.arrays import Array
 from footopt.errors import FileError, SettingError, Unusable, check, named, naming
+from footopt.walk.own_code import sources
 
 Variable = tuple[tuple[str, ...], str, Array]  # dimensions, unit, values
 Table = dict[str, list[str]]  # cells of a table by its columns
@@ -141,6 +142,8 @@ def load_module(name: str, setting: str) -> ModuleType:
         raise SettingError(setting, name, why) from error
     own = not is_file or (module.__file__ is not None and path.samefile(module.__file__))
     check(own, setting, name, "a file whose name is not that of another module", f"Rename {path.name}.")
+    if is_file:  # before it is edited, or has computed anything
+        sources(module, str(module.__file__))
     return module
 
 

@@ -16,6 +16,7 @@ from footopt.report.figures.scenes import draw_angles, draw_contour, draw_path, 
 from footopt.report.figures.walks import QUANTITIES, draw_convergence, draw_pair, draw_quantity
 from footopt.report.stage import draw_walk
 from footopt.report.style import COLUMN, PAGE, Axes, fit_height, new_figure, styled
+from footopt.walk.objectives import lookup
 
 HEIGHT = 2.6  # of a picture, inches
 
@@ -92,13 +93,13 @@ def _draw_front(axes: Axes, result: Any) -> None:
     """The designs of the front by the first two objectives; the chosen one stands out."""
     values = np.stack([result.column(name) for name in result.problem.names], axis=1)
     front, chosen = {"designs on the front": values[result.shown]}, {"chosen": values[result.best]}
-    draw_pair(axes, front, result.problem.names, chosen)
+    draw_pair(axes, front, result.problem.objectives, chosen)
 
 
 def _draw_table(axes: Axes, table: Any) -> None:
     """The designs of a table by its first two objectives."""
     check(len(table.names) > 1, "thing", table, "a Table of two objectives or more")
-    draw_pair(axes, {"designs": table.values}, table.names)
+    draw_pair(axes, {"designs": table.values}, lookup(table.names))
 
 
 DRAWINGS: dict[str, Drawings] = {

@@ -5,7 +5,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 from urllib.parse import quote
 
 import numpy as np
@@ -27,6 +27,7 @@ from footopt.report.numbers import number, percent
 from footopt.report.page.file import column, packed
 from footopt.report.style import save
 from footopt.report.terminal import console, doubtful, span, table
+from footopt.walk.objectives import MEASURES, Objective
 
 ROOM, COLUMN, RANGE = 26, 10, 16  # letters: first and last column together, one objective, the other laws
 SEED = "solver.seed"
@@ -142,21 +143,25 @@ def compare(folder: Path, folders: Sequence[Path]) -> int:
     parents = [path.absolute().parent for path in folders]
     base = os.path.commonpath(parents if len({path.drive for path in parents}) == 1 else parents[:1])
     names = [relative(path, base) for path in folders]
-    common = set.intersection(*(set(run.overrides) for run in runs)) if len(runs) > 1 else set()
+    known = [set(run.overrides) for run in runs if run.settings]  # not of a job that was refused before
+    common = set.intersection(*known) if len(known) > 1 else set()
     own = [[word for word in run.overrides if word not in common] for run in runs]
     about = [f"{len(runs)} runs in {base}" + (f", all with {' '.join(sorted(common))}" if common else "")]
     out.print("\n".join(about), soft_wrap=True)
-    _print_table(
-        folder, runs, [f"{n}: {' '.join(w) or 'by default'}" for n, w in zip(names, own, strict=True)]
+    told = (
+        " ".join(words) or ("by default" if run.settings else "refused")
+        for run, words in zip(runs, own, strict=True)
     )
+    _print_table(folder, runs, [f"{name}: {words}" for name, words in zip(names, told, strict=True)])
     for name, run in zip(names, runs, strict=True):
         if run.note:
             out.print(f"{name}: {run.note}", soft_wrap=True)
     whole = as_frame(runs)
-    for i, (rows, shares, figure) in enumerate(fronts(runs, own)):
-        whole.loc[rows, "hypervolume_share"] = shares
-        if len(rows) > 1:
-            (picture,) = save(figure, folder / "figures", f"fronts_{i + 1}" if i else "fronts", ["png"])
+    for i, found in enumerate(fronts(runs)):
+        whole.loc[found.rows, "hypervolume_share"] = found.shares
+        if len(found.rows) > 1:
+            figure, name = found.draw(runs, own), f"fronts_{i + 1}" if i else "fronts"
+            (picture,) = save(figure, folder / "figures", name, ["png"])
             out.print(f"Fronts side by side: {picture}", soft_wrap=True)
     values = whole.drop(columns=["folder", *{n for run in runs for n in run.settings}], errors="ignore")
     labels = pandas.Series(names, name="run")
@@ -176,13 +181,24 @@ def compared(runs: Sequence[Row]) -> tuple[list[dict[str, Any]], Array]:
     known = dict.fromkeys((*sought, *(name for r in results for name in r["objectives"])))
     having = {n: [r for r in results if n in r["objectives"] and n in r.get("units", {})] for n in known}
     names = [name for name, those in having.items() if len(those) >= max(0.5 * len(results), 1)]
-    columns = [column(n, having[n][0]["units"][n], having[n][0]["maximise"][n]) for n in names]
-    values = np.array([[run.objectives.get(name, np.nan) for name in names] for run in runs], float)
+    meant = {n: [(r["units"][n], r["maximise"][n]) for r in having[n]] for n in names}
+    columns = [column(name, *meant[name][0]) for name in names]
+    values = np.array([[_of(run, c) for c in columns] for run in runs], float)
     flat = [run.flat for run in runs]
     if "efficiency" in names and np.isfinite(flat).all():
         values[:, names.index("efficiency")] /= flat
         columns[names.index("efficiency")] |= {"unit": "x of flat", "maximise": True}
     return columns, values
+
+
+def _of(run: Row, meant: Mapping[str, Any]) -> float:
+    """An objective of a run; NaN where that of a plugin has another unit or sense there than in a column."""
+    name, result = meant["name"], run.result
+    same = all(
+        result.get(of, {}).get(name) == meant[one]
+        for of, one in (("units", "unit"), ("maximise", "maximise"))
+    )
+    return run.objectives.get(name, math.nan) if same else math.nan
 
 
 def _print_table(folder: Path, runs: Sequence[Row], labels: Sequence[str]) -> None:
@@ -208,33 +224,50 @@ def _print_table(folder: Path, runs: Sequence[Row], labels: Sequence[str]) -> No
         out.print(f"In {folder / 'summary.csv'}, too: {', '.join(left)}", soft_wrap=True)
 
 
-def fronts(runs: Sequence[Row], own: Sequence[Sequence[str]]) -> list[tuple[list[int], list[float], Figure]]:
-    """The fronts that runs found, by problem: which runs, the hypervolume of each over that of all, a figure.
+class Fronts(NamedTuple):
+    """The fronts that runs found in one problem."""
 
-    Runs of a figure whose `own` overrides differ by seeds only share a colour, and their hypervolume is the
-    median.
-    """
+    rows: list[int]  # which runs
+    objectives: list[Objective]
+    values: list[Array]  # of each run, (designs, objectives), natural signs
+    shares: list[float]  # the hypervolume of each over that of all
+
+    def draw(self, runs: Sequence[Row], own: Sequence[Sequence[str]]) -> Figure:
+        """Side by side; runs whose `own` overrides differ by seeds only share a colour and the median."""
+        words = ([word for word in own[i] if not word.startswith(SEED)] for i in self.rows)
+        labels = pandas.Series(
+            [" ".join(w) or runs[i].folder.name for i, w in zip(self.rows, words, strict=True)]
+        )
+        drawn = {}
+        for label, ours in labels.groupby(labels, sort=False).groups.items():
+            seeds = f"{len(ours)} seeds, " if len(ours) > 1 else ""
+            share = percent(float(np.median([self.shares[i] for i in ours])))
+            drawn[f"{label}: {seeds}hypervolume {share}"] = np.concatenate([self.values[i] for i in ours])
+        return scatter_matrix(drawn, self.objectives)
+
+
+def fronts(runs: Sequence[Row]) -> list[Fronts]:
+    """The fronts that runs found, by problem."""
     groups: dict[str, list[int]] = {}
     for i, run in enumerate(runs):
         if run.result.get("front_values"):
             problem = [item for item in run.settings.items() if not item[0].startswith(OUTSIDE_PROBLEM)]
-            groups.setdefault(str((run.result["objective_names"], problem)), []).append(i)
-    seedless = [" ".join(word for word in words if not word.startswith(SEED)) for words in own]
+            groups.setdefault(str((_sought(run), problem)), []).append(i)
     found = []
     for rows in groups.values():
-        results = [runs[i].result for i in rows]
-        names, most = results[0]["objective_names"], results[0]["maximise"]
-        frames = [pandas.DataFrame(r["front_values"], columns=r["front_columns"])[names] for r in results]
-        signs = [-1 if most[name] else 1 for name in names]
-        shares = hypervolume_shares([frame.to_numpy(float) * signs for frame in frames])
-        labels = pandas.Series([seedless[i] or runs[i].folder.name for i in rows])
-        drawn = {}
-        for label, ours in labels.groupby(labels, sort=False).groups.items():
-            seeds = f"{len(ours)} seeds, " if len(ours) > 1 else ""
-            share = percent(float(np.median([shares[i] for i in ours])))
-            drawn[f"{label}: {seeds}hypervolume {share}"] = pandas.concat([frames[i] for i in ours])
-        found.append((rows, shares, scatter_matrix(drawn, names)))
+        results, objectives = [runs[i].result for i in rows], _sought(runs[rows[0]])
+        names, signs = zip(*((o.name, o.sign) for o in objectives), strict=True)
+        frames = (pandas.DataFrame(r["front_values"], columns=r["front_columns"])[[*names]] for r in results)
+        values = [frame.to_numpy(float) for frame in frames]
+        found.append(Fronts(rows, objectives, values, hypervolume_shares([f * signs for f in values])))
     return found
+
+
+def _sought(run: Row) -> list[Objective]:
+    """The objectives of a search as its run describes them: those of a plugin may not be known here."""
+    names, (units, most) = run.result["objective_names"], (run.result[of] for of in ("units", "maximise"))
+    symbols = {name: MEASURES[name].symbol if name in MEASURES else "" for name in names}
+    return [Objective(n, symbols[n], units[n], most[n], math.nan, float) for n in names]
 
 
 def runs_content(

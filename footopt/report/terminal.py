@@ -18,6 +18,8 @@ from rich.console import Console
 from rich.table import Table as RichTable
 from rich.text import Text
 
+from footopt.design import EXHAUSTIVE
+from footopt.design.search import ENOUGH
 from footopt.effects import Effect, name_of
 from footopt.effects.base import parameters
 from footopt.foot import Foot, Waypoints
@@ -215,7 +217,8 @@ def describe_search(result: SearchResult) -> str:
 def describe_few(result: SearchResult) -> list[str]:
     """A caution where a search that is not exact has evaluated few designs."""
     space = result.problem.space
-    if result.solver.name == "exhaustive" or result.designs >= min(FEW, space.K**space.n):
+    ended = result.stopped == ENOUGH or result.solver.name == EXHAUSTIVE
+    if ended or result.designs >= min(FEW, space.K**space.n):
         return []
     return [f"Only {counted(result.designs, 'design')} evaluated: a search of 10,000 may find a better foot."]
 

@@ -21,6 +21,7 @@ from footopt.files import io as files
 from footopt.files.identity import result_of
 from footopt.files.soles import read_foot
 from footopt.foot import Foot
+from footopt.report.numbers import percent, title
 from footopt.studies import build
 from footopt.studies.runs import opened
 from footopt.studies.settings import CODE, Config, FootConfig, structured
@@ -35,12 +36,13 @@ SAME = 1e-6  # relative: processors differ by less
 def changed_since(result: Mapping[str, Any], walk: Walk) -> list[str]:
     """A note if the objectives of a walk differ from those in its run's result, as a file has changed."""
     values, before = walk.objectives, result.get("objectives") or {}
-    for name in values.keys() & before.keys():
-        value, once = values[name], before[name]
-        if once is not None and not abs(relative_change(np.array(value), np.array(once))) <= SAME:
-            why = "A file that the run reads has changed since, or code"
-            return [f"{why}: {name.replace('_', ' ')} is {value:.4g}, and was {once:.4g}."]
-    return []
+    names = [name for name in values if before.get(name) is not None]
+    changes = [float(relative_change(np.array(values[name]), np.array(before[name]))) for name in names]
+    if all(abs(change) <= SAME for change in changes):
+        return []
+    most = int(np.argmax(np.nan_to_num(np.abs(changes), nan=np.inf)))
+    why = "A file that the run reads has changed since, or code"
+    return [f"{why}: {title(names[most])} changes by {percent(changes[most])}."]
 
 
 def foot_of(folder: Path, k: list[int] | None = None, which: str = "best") -> Foot:

@@ -309,7 +309,7 @@ def _draw(study: Study, result: SearchResult, chosen: int, flat: dict[str, float
         front = values[result.shown]
         marks = {"chosen": values[chosen], "flat sole": [flat[name] for name in problem.names]}
         drawn = figures.scatter_matrix(
-            {f"{counted(len(front), 'design')} on the front": front}, problem.names, marks
+            {f"{counted(len(front), 'design')} on the front": front}, problem.objectives, marks
         )
         study.save("scatter_matrix", drawn)
 

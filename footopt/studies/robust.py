@@ -99,7 +99,9 @@ def run(study: Study) -> None:
     each = zip(names, regrets.tolist(), strict=True)
     entry["regrets"] = {name: dict(zip(names, row, strict=False)) for name, row in each}
     entry |= scene_entry(scene, numerics(finer, scene, judge.space), judge.record)
-    entry |= {"units": dict.fromkeys(lost, ""), "maximise": dict.fromkeys(lost, False)}
+    for name, of in (("units", ""), ("maximise", False)):  # of the objectives here
+        told = {f"{one} ({options.measure})": value for one, value in entry[name].items()}
+        entry[name] = told | dict.fromkeys(lost, of)
     searching = asdict(numerics(problem.accuracy, scene, judge.space))
     entry |= {"search_accuracy": searching, "solver": asdict(solver), "seed": solver.seed}
     study.conclude(

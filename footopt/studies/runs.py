@@ -125,6 +125,8 @@ def check_resumable(folder: Path, before: Mapping[str, Any], after: Mapping[str,
         old, new = before["solver"][name], after["solver"][name]
         hint = "A shorter search is a run of its own: leave out resume."
         check(None in (old, new) or new >= old, f"solver.{name}", new, f"at least {old}, as before", hint)
+    old, new = (settings["study"].get("laws") for settings in (before, after))
+    check(new or not old, "study.laws", new, "a share, as before: the run has a foot to print")
     old, new = before["report"], after["report"]
     check(new in REPORTS[REPORTS.index(old) :], "report", new, f"{old} or more, as before")
 

@@ -50,12 +50,11 @@ def run(study: Study) -> Any:
 
         study.save("gait", gait_fit(strides, walk.world.gait))
     notes = [*foot.notes, *write_walk(study, walk, {title(foot.name): walk}), *_undefined(walk, values)]
-    before = result_of(Path(folder)) if folder and k is None else None
+    before, changed = result_of(Path(folder)) if folder and k is None else None, list[str]()
     if before and all(before["settings"][name] == study.settings[name] for name in (*SCENE, *ROBOT)):
-        same = before.get("accuracy") == asdict(walk.accuracy)
-        notes += changed_since(before, walk) if same else []
+        changed += changed_since(before, walk) if before.get("accuracy") == asdict(walk.accuracy) else []
     about = {"design": foot_entry(foot), "feasible": walk.feasible, "reason": walk.reason}
-    record = study.write_result({**about, **entry, "notes": notes, "gait_file": read})
+    record = study.write_result({**about, **entry, "notes": [*notes, *changed], "gait_file": read})
     if study.wants_report:
         from footopt.report import page
 
@@ -71,6 +70,8 @@ def run(study: Study) -> Any:
     others = None if flat is walk else base
     study.say(terminal.objective_table("sole", values, others, entry["error_estimate"]))
     terminal.print_validity(study.console, diagnostics)
+    for note in changed:
+        terminal.warn(study.console, note)
     study.close()
     return values
 

@@ -10,14 +10,14 @@ import pickle
 import site
 import sys
 import sysconfig
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import lru_cache, partial
 from itertools import accumulate
 from numbers import Number
 from pathlib import Path
 from types import CodeType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import config
@@ -49,6 +49,39 @@ def own_code(laws: Sequence[Any], stepper: Any = None) -> tuple[Any, ...]:
     return tuple(filter(is_own, (*step, *map(type, laws), *hooks)))
 
 
+class Imported(NamedTuple):
+    """A user's file as it was when it was imported, or first asked for: an edit counts once it is again."""
+
+    module: Any
+    spec: Any  # another one after importlib.reload
+    source: bytes
+    data: dict[str, bytes]  # of the variables that its functions read and that are not `PLAIN`, by name
+
+
+_IMPORTED: dict[str, Imported] = {}  # by path
+
+
+def imported(module: Any, path: str) -> Imported:
+    """A user's module, or script, with its file at a path."""
+    known, spec = _IMPORTED.get(path), getattr(module, "__spec__", None)
+    if known is None or known.module is not module or known.spec is not spec:
+        there, data = getattr(module, "__dict__", {}), dict[str, bytes]()
+        for name in {name for one in _functions(there) for name in _names(one.__code__, "LOAD_GLOBAL")}:
+            if not (isinstance(one := there.get(name), PLAIN) or hasattr(one, "__name__")):  # as code has
+                with suppress(Exception):  # of what cannot be pickled nothing is known
+                    data[name] = pickle.dumps(one)
+        known = _IMPORTED[path] = Imported(module, spec, Path(path).read_bytes(), data)
+    return known
+
+
+def _functions(there: Mapping[str, Any]) -> Iterator[Any]:
+    """The functions and methods of a module, by its variables."""
+    for one in list(there.values()):
+        for part in list(vars(one).values()) if isinstance(one, type) else [one]:
+            if inspect.isfunction(part) and part.__globals__ is there:
+                yield part
+
+
 @lru_cache(maxsize=8)
 def digest_of(functions: tuple[Any, ...]) -> str:
     """A digest of the sources of functions."""
@@ -58,13 +91,17 @@ def digest_of(functions: tuple[Any, ...]) -> str:
 def source_of(thing: Any) -> bytes:
     """The file of a function or type, and the user's files that it imports; its code if it has no file."""
     try:
-        path = inspect.getfile(thing)
-        files = {path: Path(path).read_bytes()}
+        return b"".join(sources(sys.modules.get(thing.__module__), inspect.getfile(thing)))
     except (OSError, TypeError):
         parts = vars(thing).values() if isinstance(thing, type) else [thing]
         return b"".join(marshal.dumps(part.__code__) for part in parts if hasattr(part, "__code__"))
-    _read_imported(sys.modules.get(thing.__module__), path, files)
-    return b"".join(files.values())
+
+
+def sources(module: Any, path: str) -> list[bytes]:
+    """The file of a user's module, and those of the user's modules that it imports, as they were then."""
+    files = {path: imported(module, path).source}
+    _read_imported(module, path, files)
+    return [*files.values()]
 
 
 def _read_imported(module: Any, path: str, files: dict[str, bytes]) -> None:
@@ -78,7 +115,7 @@ def _read_imported(module: Any, path: str, files: dict[str, bytes]) -> None:
         for name in (part for full in names for part in accumulate(full.split("."), "{}.{}".format)):
             place = getattr(sys.modules.get(name), "__file__", None) or ""
             if place.endswith(".py") and not place.startswith(INSTALLED) and place not in files:
-                files[place] = Path(place).read_bytes()
+                files[place] = imported(sys.modules[name], place).source
                 _read_imported(sys.modules[name], place, files)
 
 
@@ -137,19 +174,23 @@ def _read(function: Any) -> list[Any]:
     """What a function reads of its module: of a notebook all, of a file what a script may change in it.
 
     That are the numbers, texts, tuples and arrays that it, and the functions there that it calls, read and
-    that none sets. Lists and dictionaries are left out: they often keep what has been computed.
+    that none sets. Others, such as lists and dictionaries, often keep what has been computed: they count as
+    they were when the file was imported.
     """
     there = function.__globals__
     if "__file__" not in there:
         return [there.get(name) for name in _names(function.__code__, "LOAD_GLOBAL")]
-    own = {k: one for k, one in there.items() if inspect.isfunction(one) and one.__globals__ is there}
-    kept = {name for one in own.values() for name in _names(one.__code__, "STORE_GLOBAL")}
+    own = [*_functions(there)]
+    kept = {name for one in own for name in _names(one.__code__, "STORE_GLOBAL")}
     read, todo = dict[str, Any](), [function]
     while todo:
         new = {k: there.get(k) for k in _names(todo.pop().__code__, "LOAD_GLOBAL") if k not in read}
-        todo += [one for k, one in new.items() if k in own]
+        todo += [one for one in new.values() if one in own]
         read |= new
-    return [one for k, one in read.items() if isinstance(one, PLAIN) and k not in kept and k[:2] != "__"]
+    known = _IMPORTED.get(function.__code__.co_filename)
+    left = {} if known is None else known.data
+    read = {k: one for k, one in read.items() if k not in kept and k[:2] != "__"}
+    return [one if isinstance(one, PLAIN) else left.get(k) for k, one in read.items()]
 
 
 def _names(code: CodeType, *how: str) -> Iterator[str]:

@@ -8,7 +8,7 @@ import pytest
 
 import footopt as fo
 from footopt.report import figures
-from footopt.walk.objectives import FIVE
+from footopt.walk.objectives import FIVE, lookup
 
 HOLLOW = (5, 8, 9, 8, 5, 4, 4, 2, 2, 3, 4)
 DESIGNED = (2, 6, 6, 2, 1, 1, 1, 1, 3, 4, 1)  # by the default run
@@ -96,7 +96,9 @@ FIGURES = {
     "forces": lambda walks, table: figures.forces(walks),
     "power_work": lambda walks, table: figures.power_work(walks),
     "step": lambda walks, table: figures.step(walks["hard"]),
-    "scatter": lambda walks, table: figures.scatter_matrix({"front": table}, FIVE, {"chosen": table[7]}),
+    "scatter": lambda walks, table: figures.scatter_matrix(
+        {"front": table}, lookup(FIVE), {"chosen": table[7]}
+    ),
 }
 
 

@@ -1,7 +1,9 @@
 """The examples of one's own sand, effect, objective and solver: short, run as they are, and as plugins."""
 
+import importlib
 import re
 import runpy
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -73,10 +75,36 @@ class TestPlugins:
         before = key_of(problem)
         assert "own_objective.work_per_metre" in before["own"]
         own.write_text(text.replace('raw["work"] /', '2.0 * raw["work"] /'), encoding="utf-8")
+        assert key_of(problem) == before  # what walks here is still the code before the edit
+        importlib.reload(sys.modules["own_objective"])
+        problem = fo.FootProblem(objective="work_per_metre")
         assert (after := key_of(problem)["own"]) != before["own"]
         imported.write_text("PRICE = 2.0", encoding="utf-8")
+        importlib.reload(sys.modules["tariffs"])
         assert key_of(problem)["own"] != after
         assert key_of(fo.FootProblem())["own"] == {}
+
+    @pytest.mark.parametrize(
+        "read", ["json.load(FILE)", "scipy.interpolate.CubicSpline([0, 1], json.load(FILE))"]
+    )
+    def test_a_store_knows_what_a_plugin_has_read_when_it_was_imported_and_not_what_it_keeps(
+        self, read, tmp_path
+    ):
+        own, table = tmp_path / "own_table.py", tmp_path / "table.json"
+        own.write_text(
+            "import json, scipy\nfrom footopt.walk.objectives import measure\nSEEN = []\n"
+            f"with open({str(table)!r}) as FILE: TABLE = {read}\n"
+            "@measure('foot', 'p', 'EUR', maximise=False, worst=9.0)\n"
+            "def price(foot):\n    SEEN.append(foot)\n    return len(SEEN) and float(str(TABLE) != '')\n"
+        )
+        table.write_text("[1.0, 2.0]")
+        load_plugins([str(own)])
+        before = key_of(problem := fo.FootProblem(objective=["price", "work"]))
+        sys.modules["own_table"].price(fo.Foot.flat())
+        assert key_of(problem) == before
+        table.write_text("[1.0, 3.0]")
+        importlib.reload(sys.modules["own_table"])
+        assert key_of(fo.FootProblem(objective=["price", "work"])) != before
 
     def test_a_store_knows_the_sources_of_two_plugins_whose_classes_have_one_name(self, tmp_path):
         text = (CUSTOM / "effect.py").read_text(encoding="utf-8")
@@ -90,6 +118,7 @@ class TestPlugins:
         found = [key_of(problem)["own"]]
         for file in files:
             file.write_text(f"{file.read_text(encoding='utf-8')}# edited", encoding="utf-8")
+            importlib.reload(sys.modules[file.stem])
             found.append(key_of(problem)["own"])
         assert found[0] != found[1] != found[2]
 

@@ -179,10 +179,12 @@ def draw_convergence(axes: Axes, result: Any, base: float | None = None) -> None
 
 @style.styled()
 def scatter_matrix(
-    groups: Mapping[str, ArrayLike], names: Sequence[str], marks: Mapping[str, ArrayLike] | None = None
+    groups: Mapping[str, ArrayLike],
+    objectives: Sequence[Objective],
+    marks: Mapping[str, ArrayLike] | None = None,
 ) -> Figure:
     """Every pair of two or more objectives of designs; see `draw_pair`."""
-    n = len(names)
+    n = len(objectives)
     size = min(style.PAGE, 1.6 * n + 1.0)
     figure = style.new_figure(size, size if n > 2 else 0.75 * size)
     grid = figure.subplots(n - 1, n - 1, squeeze=False)
@@ -190,7 +192,7 @@ def scatter_matrix(
         if column > row:
             axes.set_axis_off()
             continue
-        draw_pair(axes, groups, names, marks, column, row + 1)
+        draw_pair(axes, groups, objectives, marks, column, row + 1)
         axes.locator_params(nbins=3)
         axes.label_outer()
     figure.align_labels()
@@ -201,7 +203,7 @@ def scatter_matrix(
 def draw_pair(
     axes: Axes,
     groups: Mapping[str, ArrayLike],
-    names: Sequence[str],
+    objectives: Sequence[Objective],
     marks: Mapping[str, ArrayLike] | None = None,
     x: int = 0,
     y: int = 1,
@@ -210,7 +212,6 @@ def draw_pair(
 
     Designs that failed have NaN and are not drawn. `marks` are designs to point out, by name in `MARKS`.
     """
-    objectives = lookup(names)
     for i, (label, values) in enumerate(groups.items()):
         looks = style.marker(i) | ({"color": style.DESIGNS} if len(groups) == 1 else {})
         points = np.asarray(values, float)[:, [x, y]].T
