@@ -10,7 +10,7 @@ from searching import QUICK, SMALL, problem
 import footopt as fo
 from footopt.design import Choice, confirm, search
 from footopt.walk.checks import diagnose
-from footopt.walk.objectives import MEASURES, SLOW, measure
+from footopt.walk.objectives import MEASURES, OBJECTIVES, SLOW, Objective, measure
 
 
 @pytest.fixture(scope="module")
@@ -115,6 +115,18 @@ class TestFronts:
         volumes = [g.hypervolume for g in found.history]
         assert volumes == sorted(volumes)
         assert volumes[-1] > volumes[0]
+
+    def test_designs_without_a_value_do_not_stretch_the_box_of_the_hypervolume(self, monkeypatch):
+        def some(raw, scene):
+            return np.where(raw["work"] > np.median(raw["work"]), np.nan, raw["work"])
+
+        volumes = []
+        for worst in (1e3, 1e6):
+            own = Objective("some", "s", "J", maximise=False, worst=worst, value=some)
+            monkeypatch.setitem(OBJECTIVES, "some", own)
+            two = fo.FootProblem(objective=["distance", "some"], space=SMALL, accuracy=QUICK)
+            volumes.append(fo.search(two, "nsga2", pop_size=20, n_gen=2, seed=1).history[0].hypervolume)
+        assert volumes[0] == volumes[1] > 0.0
 
     def test_all_of_it_is_walked_again_and_what_is_dominated_then_is_said(self, found):
         confirmed = confirm(found, fo.Accuracy(dt=5e-3, plates=40), finalists=3)

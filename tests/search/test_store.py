@@ -20,6 +20,8 @@ from footopt.design import Store, search
 from footopt.design import store as store_module
 from footopt.design.store import ERROR, LAYOUT, digest, key_of
 from footopt.errors import FileError
+from footopt.walk.steppers import STEPPERS
+from footopt.walk.steppers.explicit import runge_kutta
 
 BOTH = np.array([[1] * 5, [2] * 5])
 ONE = BOTH[:1]
@@ -222,6 +224,13 @@ class TestContext:
         assert len(digests) == 1 + len(changed)
         same = problem("work", space=replace(SMALL, box_tolerance=1.0))
         assert digest(key_of(same)) == digest(key_of(base))
+
+    def test_a_stepper_of_one_s_own_counts_by_its_parameters(self, monkeypatch):
+        keys = []
+        for b in ((0.0, 1.0), (0.5, 0.5), (0.0, 1.0)):
+            monkeypatch.setitem(STEPPERS, "own", runge_kutta(c=(0.0, 0.5), b=b))
+            keys.append(key_of(problem(accuracy=dataclasses.replace(QUICK, stepper="own"))))
+        assert keys[0] == keys[2] != keys[1]
 
     def test_designs_walked_by_other_code_are_used_only_when_asked_for_and_said(self, path, monkeypatch):
         with Store(path, problem()) as store:
