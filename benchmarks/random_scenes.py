@@ -40,7 +40,7 @@ from footopt.foot import as_feet
 from footopt.sand import MEDIA
 from footopt.walk.accuracy import PRESETS, TOLERANCES, work
 from footopt.walk.ladder import numerics
-from footopt.walk.objectives import FIVE, FLOORS
+from footopt.walk.objectives import FIVE, sizes
 
 FEET = 16  # of a scene whose feet are waypoints
 
@@ -199,11 +199,6 @@ class Judged(NamedTuple):
     work: float  # evaluations of plates, those that take as long as what else is in a walk among them
 
 
-def scale_of(values):
-    """What errors are relative to: the objectives, not below the floors of J_W and a millimetre."""
-    return np.maximum(np.abs(values), [FLOORS.get(name, 1e-3) for name in FIVE])
-
-
 def truth_of(feet, scene, space=None, refined=False):
     """Objectives and reasons by much finer plates, creep speed and steps; refined: for `fine`."""
     own = numerics(PRESETS["standard"], scene, as_feet(feet, space))
@@ -221,7 +216,7 @@ def judge(feet, scene, accuracy="standard", space=None, truth=None):
     """Each foot's `Judged`; truth: as `truth_of` has it."""
     own = fo.evaluate(feet, scene, accuracy, space=space, errors=True)
     values, reasons = truth or truth_of(feet, scene, space)
-    size = scale_of(values)
+    size = sizes(values, scene)
     error, estimate = np.abs(own.values - values) / size, own.errors / size
     return [Judged(*row) for row in zip(error, estimate, own.reasons, reasons, work_of(own), strict=True)]
 
@@ -328,7 +323,7 @@ def quotients(first, last):
             fo.evaluate(drawn.feet, drawn.scene, accuracy, names, drawn.space).values
             for accuracy in ("standard", fo.Tolerance(1e-3))
         )
-        five = np.abs(walked - truth)[:, :5] / scale_of(truth[:, :5])
+        five = np.abs(walked - truth)[:, :5] / sizes(truth[:, :5], drawn.scene)
         quotient = np.abs(walked - truth)[:, 5] / np.abs(truth[:, 5])
         errors += [
             [*pair] for pair in zip(five.max(axis=1), quotient, strict=True) if np.isfinite(pair).all()

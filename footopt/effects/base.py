@@ -16,8 +16,8 @@ The force on a plate of area dA is then zeta load share (a - M h) dA - push n dA
 methods are dual numbers (`footopt.effects.dual`), which carry derivatives: write a law with + - * / and the
 functions of that module. A new effect is a file beside this one, or a user's own: a law, and a dataclass
 with a name by which settings find it, ``class Mine(Effect, name="mine")``. Every parameter has a default, and
-a numpydoc section *Parameters* is its help. A push is called for plates in the air, too, and has to be 0 at a
-depth of 0 and continuous in n.v, which is about 1e-4 m/s for a walker that stands.
+a numpydoc section *Parameters* is its help. Load and push are called for plates in the air, too, and have to
+be 0 at a depth of 0; a push is continuous in n.v, which is about 1e-4 m/s for a walker that stands.
 """
 
 from __future__ import annotations
@@ -33,6 +33,7 @@ from numba.extending import overload, register_jitable
 
 from footopt.arrays import Array
 from footopt.compiled import FAST, INLINE
+from footopt.effects.dual import value
 from footopt.errors import SettingError, check, check_free, is_number
 
 Reshape = Callable[[Array], Array]  # of soles (designs, points, 2), m
@@ -85,6 +86,9 @@ class Effect:
     strata: Any = ()
 
     def __init_subclass__(cls, name: str = "") -> None:
+        for claim in ("literature", "plausible", "in_page"):  # each class makes its own
+            if claim not in vars(cls):
+                setattr(cls, claim, False)
         if name:
             check_free(name, EFFECTS.get(name), cls)
             EFFECTS[name] = cls
@@ -100,7 +104,7 @@ class Effect:
 
 def name_of(effect: Effect) -> str:
     """An effect's name in settings and tables."""
-    return next((name for name, kind in EFFECTS.items() if isinstance(effect, kind)), type(effect).__name__)
+    return next((name for name, kind in EFFECTS.items() if type(effect) is kind), type(effect).__name__)
 
 
 def parameters(effect: Any) -> dict[str, Any]:
@@ -167,7 +171,25 @@ def laws(effects: Sequence[Effect]) -> Laws:
     for law in found:
         if not any(hasattr(law, hook) for hook in HOOKS):
             raise SettingError("effects", type(law).__name__, f"a law with a method {', '.join(HOOKS)}")
+        if not type(law).__module__.startswith("footopt."):
+            _check_at_surface(law)
     return Laws(*(tuple(law for law in found if hasattr(law, hook)) or None for hook in HOOKS))
+
+
+def _check_at_surface(law: Any) -> None:
+    """Raise unless a user's law gives 0 at a depth of 0, where plates in the air are taken to be."""
+    for hook, given in {"load": (0.0, 0.0, 0.0), "push": (1.0, 0.0)}.items():
+        if hasattr(law, hook):
+            try:
+                found = value(getattr(law, hook)(*given))
+            except ZeroDivisionError:
+                found = np.nan
+            check(
+                found == 0.0,
+                f"effects.{type(law).__name__}.{hook}",
+                found,
+                "0 at a depth of 0, as in the air",
+            )
 
 
 def _over(hook: str, none: Callable[..., Any], join: Callable[..., Any]) -> Callable[..., Any]:

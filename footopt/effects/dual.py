@@ -1,7 +1,7 @@
 """Dual numbers: a value with its derivatives by the hip's velocity, so that no law is differentiated by hand.
 
-`Dual` knows + - * / with itself and with plain numbers, compiled and in Python. The functions below take
-plain numbers, arrays and dual numbers; with plain numbers nothing of the derivatives is computed.
+`Dual` knows + - * / with itself and with plain numbers, and -x, compiled and in Python. The functions below
+take plain numbers, arrays and dual numbers; with plain numbers nothing of the derivatives is computed.
 """
 
 import operator
@@ -99,6 +99,10 @@ def _divide(a, b):
     return Dual(ratio, combined(inverse, a.dx, slope, b.dx), combined(inverse, a.dz, slope, b.dz))
 
 
+def _negative(x):
+    return Dual(-x.value, -x.dx, -x.dz)
+
+
 def _offer(symbol: Callable[..., Any], rule: Callable[..., Any]) -> None:
     """Define an operator by a rule where one of its operands is a `Dual`, compiled and in Python."""
 
@@ -111,10 +115,14 @@ def _offer(symbol: Callable[..., Any], rule: Callable[..., Any]) -> None:
 
 
 setattr(Dual, "__array_ufunc__", None)  # noqa: B010  an array on the left leaves the operation to the number
-_offer(operator.add, _add)
-_offer(operator.sub, _subtract)
-_offer(operator.mul, _multiply)
-_offer(operator.truediv, _divide)
+for _rule, *_symbols in (
+    (_add, operator.add, operator.iadd), (_subtract, operator.sub, operator.isub),
+    (_multiply, operator.mul, operator.imul), (_divide, operator.truediv, operator.itruediv),
+):  # fmt: skip
+    for _symbol in _symbols:
+        _offer(_symbol, _rule)
+setattr(Dual, "__neg__", _negative)  # noqa: B010
+overload(operator.neg, jit_options=VALUE)(lambda x: _negative if is_dual(x) else None)
 
 
 @register_jitable(**VALUE)

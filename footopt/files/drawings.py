@@ -162,6 +162,11 @@ def _own_unit(root: ElementTree.Element) -> float:
         if size and size[2] != "px":  # on a screen: programs print 72, 90 or 96 of them to an inch
             length = float(size[1]) * unit_of(None, size[2])
             sides.append(length / float(box[place]) if box else UNITS["px"])
+    ratio = root.get("preserveAspectRatio", "")
+    if re.search("none|slice", ratio) and sides and max(sides) > 1.001 * min(sides):
+        raise Unusable(
+            f"is stretched or cut by its preserveAspectRatio, {ratio!r}. Scale its viewBox instead."
+        )
     return min(sides) if sides else unit_of(None, None)
 
 
@@ -177,6 +182,8 @@ def read_table(path: Path, units: str | None, scale: float) -> Iterator[Line]:
         found = f"it holds {', '.join(table)[:200]}"
         raise Unusable(f"the header lacks x or z; {found}. Name the columns x_mm and z_mm (or _cm, _m, _in).")
     own = {match[2].lower() for match in (x, z) if match[2]}
+    if len(own) > 1:
+        raise Unusable(f"its columns are in two units: {x[0]} and {z[0]}.")
     unit = scale * unit_of(units, own.pop() if len(own) == 1 else None)
     yield from_points(
         unit * np.stack([numbers(table, x[0]), numbers(table, z[0])], axis=1), "", JOIN_DISTANCE

@@ -143,7 +143,7 @@ def load_module(name: str, setting: str) -> ModuleType:
     own = not is_file or (module.__file__ is not None and path.samefile(module.__file__))
     check(own, setting, name, "a file whose name is not that of another module", f"Rename {path.name}.")
     if is_file:  # before it is edited, or has computed anything
-        sources(module, str(module.__file__))
+        sources(vars(module), str(module.__file__))
     return module
 
 

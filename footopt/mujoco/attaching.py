@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 import math
-import pickle
 import threading
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
@@ -88,7 +87,7 @@ class Contact:
         mujoco = needed("mujoco", "footopt.mujoco", "mujoco")
         check_kind(model, mujoco.MjModel, "model", "Or a mujoco.MjSpec, with None for its data.")
         check_kind(feet, Mapping, "feet", "By name of the body.")
-        world, acting = _laws(sand, ordered(effects))
+        world = _constants(sand, ordered(effects))
         g = float(np.linalg.norm(model.opt.gravity)) / EARTH
         check(feet, "feet", {}, "a body and its foot, at least")
         even = is_number(plates, Integral) and plates >= 4 and plates % 2 == 0
@@ -127,7 +126,7 @@ class Contact:
         step["ahead"] = model.opt.timestep * (kind > int(mujoco.mjtIntegrator.mjINT_IMPLICITFAST))
         step["length"], step["bypass"] = world.bristle_length or BRISTLE_LENGTH, world.bypass
         jacobian = np.zeros((n, model.nv))
-        steps, wrenches = compiled(), with_effects(acting)
+        steps, wrenches = compiled(), with_effects(world.effects)
         outside = (
             *functions("mj_getState", "mj_jacBody", "mju_warning"),
             *(steps[i].address for i in range(BEGIN, BEND + 1)), wrenches.address,
@@ -249,10 +248,9 @@ def attach(model: Any, data: Any, feet: Mapping[str, Foot], *given: Any, **optio
 
 
 @lru_cache(maxsize=32)
-def _laws(sand: Sand, effects: tuple[Effect, ...]) -> tuple[World, bytes]:
-    """The constants of a sand with effects, and its effects, pickled, by which code is compiled."""
-    world = with_bypassed_gates(Scene(sand, effects=effects).constants(Accuracy()))
-    return world, pickle.dumps(world.effects)
+def _constants(sand: Sand, effects: tuple[Effect, ...]) -> World:
+    """The constants of a sand with effects."""
+    return with_bypassed_gates(Scene(sand, effects=effects).constants(Accuracy()))
 
 
 def _in_one_plane(mujoco: Any, model: Any, data: Any, rows: list[int]) -> bool:

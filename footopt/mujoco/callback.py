@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 from numba import carray, cfunc, types
 
+from footopt.effects.base import Laws
 from footopt.mujoco import implicit
 from footopt.mujoco import step as steps
 from footopt.mujoco.native import call, entry, functions, pointer
-from footopt.walk.own_code import own_code
+from footopt.walk.own_code import fingerprint, own_code
 
 MOST = 256  # models on sand at once in one process
 #: A row for each attached model: addresses of its MjData, of its `Contact.addresses`, of its compiled step
@@ -63,16 +64,27 @@ def compiled() -> dict[Any, Any]:
     }
 
 
+def with_effects(acting: Laws) -> Any:
+    """The wrenches under some effects."""
+    kinds = tuple(tuple(map(type, one or ())) for one in acting)
+    values = pickle.dumps([[tuple(law) for law in one or ()] for one in acting])
+    return _with_effects(kinds, values, tuple(map(fingerprint, own_code(acting.all))))
+
+
 @lru_cache
-def with_effects(effects: bytes) -> Any:
-    """The wrenches under some effects, pickled `Laws`."""
-    acting = pickle.loads(effects)
+def _with_effects(kinds: tuple[tuple[type[Any], ...], ...], values: bytes, own: tuple[Any, ...]) -> Any:
+    made = (
+        [kind(*row) for kind, row in zip(*one, strict=True)]
+        for one in zip(kinds, pickle.loads(values), strict=True)
+    )
+    acting = Laws(*(tuple(one) or None for one in made))
 
     def wrenches(address, stage, c):
         implicit.wrenches(address, acting, stage, c)
 
-    wrenches.__qualname__ = f"wrenches_{hashlib.sha256(effects).hexdigest()[:16]}"  # a file of its own
-    return entry(wrenches, types.intp, types.intp, types.float64, keep=not own_code(acting.all))
+    named = repr([[kind.__qualname__ for kind in one] for one in kinds]).encode()
+    wrenches.__qualname__ = f"wrenches_{hashlib.sha256(named + values).hexdigest()[:16]}"  # a file of its own
+    return entry(wrenches, types.intp, types.intp, types.float64, keep=not own)
 
 
 @lru_cache(maxsize=1)

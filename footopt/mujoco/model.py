@@ -116,6 +116,17 @@ class Model:
         return float(m.body_subtreemass[m.body_rootid[m.body(self.feet[0]).id]])
 
     @cached_property
+    def height(self) -> float:
+        """Of its centre of mass over the lower foot's body, in the model's own pose, m."""
+        import mujoco
+
+        m = self.compiled
+        mujoco.mj_kinematics(m, data := mujoco.MjData(m))
+        mujoco.mj_comPos(m, data)
+        centre = data.subtree_com[m.body_rootid[m.body(self.feet[0]).id], 2]
+        return float(abs(centre - min(data.body(foot).xpos[2] for foot in self.feet)))
+
+    @cached_property
     def height_address(self) -> int:
         """The place in qpos of the robot's height: of a free joint, or of one that slides upward."""
         import mujoco

@@ -138,6 +138,11 @@ class Robot(Simulator):
         return float(self.model.mass * self.g)
 
     @property
+    def legs(self) -> float:
+        """Height of its centre of mass over its feet, m."""
+        return self.model.height
+
+    @property
     def title(self) -> str:
         """Its sand and its mass, in a few words."""
         return f"{self.sand.title}, a robot of {self.weight / self.g:.3g} kg"

@@ -174,6 +174,14 @@ def fit_stress_map(
             f"such a sand would push a plate that moves down to its upper side (alpha_x = {aside:.3g} "
             "N/cm^3 at beta = 45, gamma = 90 deg). Check the sign of beta: counter-clockwise, + toe up."
         )
+    for more, what in (
+        (A00 + A10, "a level plate that is lifted more than one that is pushed in"),
+        (A10 + B11 + Bm11, "a vertical plate that is pushed in more than a level one"),
+    ):
+        if more < -GAIN * typical:
+            raise Unusable(
+                f"such a sand would resist {what}. Check z, which is up, and beta, 0 for level plates."
+            )
     return found, (error_x, error_z)
 
 

@@ -147,7 +147,9 @@ def make_foot(config: FootConfig) -> Foot:
 def make_effects(config: EffectsConfig) -> tuple[Effect, ...]:
     """The effects that the settings name, without those that an audit adds with `auto`."""
     found = {name: getattr(config, name) for name in EFFECTS}
-    return tuple(EFFECTS[name](**vars(given)) for name, given in found.items() if given is not None)
+    given = {name: vars(one).items() for name, one in found.items() if one is not None}
+    plain = {n: {k: tuple(v) if isinstance(v, list) else v for k, v in one} for n, one in given.items()}
+    return tuple(EFFECTS[name](**values) for name, values in plain.items())
 
 
 def make_scene(config: Config) -> Scene:

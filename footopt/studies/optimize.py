@@ -37,6 +37,7 @@ from footopt.studies.simulate import check_files, walk_entry, write_film, write_
 from footopt.walk import MEASURES, Accuracy, Walk, gain_shares, simulate
 from footopt.walk.checks import Diagnostic
 from footopt.walk.ladder import SHARE, ladder, numerics
+from footopt.walk.objectives import floors
 
 
 class Findings(NamedTuple):
@@ -83,7 +84,7 @@ def run(study: Study) -> Any:
             **entry,
             "remarks": remarks,
             **laws.entry,
-            "gain_shares": gain_shares(values, base),
+            "gain_shares": gain_shares(values, base, floors(scene)),
             **_search_entry(result, confirmed, options.finalists),
             "certificate": certificate and {"says": str(certificate), **asdict(certificate)},
             "notes": notes,

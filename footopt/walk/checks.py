@@ -17,7 +17,7 @@ from footopt.effects import base as effects
 from footopt.foot import Foot
 from footopt.sand import StressMap
 from footopt.sand.law import power_taken
-from footopt.walk.objectives import FLOORS, measure
+from footopt.walk.objectives import floors, measure, shortest
 from footopt.walk.results import Walk
 
 SAMPLES = 600  # instants of the walk that are looked at
@@ -39,7 +39,8 @@ WHY = {
     "pitch of the more level foot at the start":
         "z of a foot's body is up where its sole is level; put a body with such axes into it, and name that",
     "floor of J_W over what is below it":
-        "J_W counts no less than 1 J, 1 W and 0.001 m/s; a later scene.t_f may be fairer",
+        "J_W counts no less than 1 J, 1 W and 0.001 m/s of a human, and in proportion of a smaller walker; "
+        "a later scene.t_f may be fairer",
 }  # fmt: skip
 RARE = tuple(WHY)[5:]  # reported only where they are beyond their limit
 
@@ -103,7 +104,8 @@ def diagnose(walk: Walk) -> list[Diagnostic]:
     pushes = laws(counted or [kind() for kind in EFFECTS.values() if kind.is_inertia]).pushes
     inertia = lasts * effects.push(pushes, vn, depth) * states.area
     slender = float(np.ptp(walk.foot.contour[:, 0]) / walk.start[1])
-    floored = max(floor / max(walk.totals.get(name, floor), 1e-300) for name, floor in FLOORS.items())
+    least = floors(walk.scene).items()
+    floored = max(floor / max(walk.totals.get(name, floor), 1e-300) for name, floor in least)
     total_force, total_power = max(size.sum(), 1e-300), max(power.sum(), 1e-300)
     trailing = power[vn < 0].sum()
     stood = 0.0 if walk.scene.holds else float(min(walk.scene.gait.start, walk.t[-1]))
@@ -115,7 +117,7 @@ def diagnose(walk: Walk) -> list[Diagnostic]:
         (float((size * speed).sum() / total_force), "m/s", 0.5),
         (float(inertia.sum() / total_force), "", math.inf if counted else 0.05),
         (float(trailing / total_power) if steps else 0.0, "", 0.2),
-        (sinks, "m", 1e-3),
+        (sinks, "m", shortest(walk.scene)),
         (-walk.scene.sand.stress_map.dissipation(), "N/cm^3", 0.0),  # no error bound holds beyond it
         (slender, "", 0.8),  # from 0.1 to 0.5 of animals and robots
         (1.0 / slender, "", 20.0),

@@ -141,7 +141,7 @@ def climbed(of: Tolerance, simulator: Simulator, path: Path, soles: Any) -> Foun
 def five(simulator: Simulator, found: Walked) -> Array:
     """The `FIVE` of feet that have walked, (feet, objectives), NaN for those that failed.
 
-    Work and power are in units of the simulator's own floors.
+    In units of the simulator's own `sizes`.
     """
     raw = by_name(np.where(found.reasons[:, None] == "", found.raw, np.nan), simulator.quantities)
     values = np.stack([OBJECTIVES[name].value(raw, simulator) for name in FIVE], axis=1)

@@ -16,13 +16,16 @@ import numpy as np
 
 from footopt.arrays import Array
 from footopt.errors import check, check_free, is_number
+from footopt.sand.law import EARTH
 from footopt.walk.metrics import RAW
 from footopt.walk.simulator import Simulator
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-#: Floors of the factors in J_W's denominator: 1 J, 1 W, 1e-3 m/s.
+#: Floors of the factors in J_W's denominator for a walker of human size: 1 J, 1 W, 1e-3 m/s.
 FLOORS = {"work": 1.0, "peak_power": 1.0, "speed_loss": 1e-3}
+LENGTH = 1e-3  # m: errors of distance and height are relative to it at least, for a walker of human size
+HUMAN = (60.0 * EARTH, 0.47 + 0.45, EARTH)  # weight, N, legs, m, gravity, m/s^2
 
 #: The raw results of a batch by name (`metrics.RAW`), each (designs,).
 Raw = Mapping[str, Array]
@@ -157,10 +160,10 @@ quantity("speed_loss", r"$\Delta V_x$", "m/s", maximise=False, worst=1e3, least=
 def efficiency(raw: Raw, scene: Simulator) -> Array:
     """J_W = -(distance * mean height) / (|W| p_max dV_x), the paper's eqs. 9-10; most negative is best.
 
-    Factors of the denominator are floored (`FLOORS`), so that a walk that loses nothing is not
+    Factors of the denominator are floored (`floors`), so that a walk that loses nothing is not
     infinitely good. The unit is m^2 / (J W m/s), which the paper does not state.
     """
-    cost = math.prod(np.maximum(raw[name], floor) for name, floor in FLOORS.items())
+    cost = math.prod(np.maximum(raw[name], floor) for name, floor in floors(scene).items())
     return -(raw["distance"] * raw["mean_height"]) / cost
 
 
@@ -198,13 +201,30 @@ FIVE = ("distance", "mean_height", "work", "peak_power", "speed_loss")
 
 
 def sizes(values: Array, simulator: Simulator | None = None) -> Array:
-    """Sizes that errors of the `FIVE` (walks, objectives) are relative to: J_W's floors or 1 mm at least.
+    """Sizes that errors of the `FIVE` (walks, objectives) are relative to: `floors` or `LENGTH` at least."""
+    least = floors(simulator) if simulator else FLOORS
+    length = shortest(simulator) if simulator else LENGTH
+    return np.maximum(np.abs(values), [least.get(name, length) for name in FIVE])
 
-    Floors of work and power are those of the simulator (`Simulator.error_floor`).
-    """
-    scale = simulator.error_floor if simulator else 1.0
-    least = {"work": scale * FLOORS["work"], "peak_power": scale * FLOORS["peak_power"]}
-    return np.maximum(np.abs(values), [least.get(name, 1e-3) for name in FIVE])
+
+def shortest(simulator: Simulator) -> float:
+    """`LENGTH`, m; of a walker smaller than a human in proportion to its legs."""
+    return LENGTH * _part_of_human(simulator)[0]
+
+
+def floors(simulator: Simulator) -> dict[str, float]:
+    """`FLOORS`; of a walker smaller than a human in proportion to M g l, M g sqrt(g l) and sqrt(g l)."""
+    _, *parts = _part_of_human(simulator)
+    return {name: floor * part for (name, floor), part in zip(FLOORS.items(), parts, strict=True)}
+
+
+def _part_of_human(simulator: Simulator) -> list[float]:
+    """Units of length, energy, power and speed of what walks over those of a human, 1 at most."""
+    own, human = (
+        (legs, weight * legs, weight * math.sqrt(g * legs), math.sqrt(g * legs))
+        for weight, legs, g in ((simulator.weight, simulator.legs, simulator.g), HUMAN)
+    )
+    return [min(1.0, one / other) for one, other in zip(own, human, strict=True)]  # 1 where it is not known
 
 
 def relative_change(values: Array, base: Array) -> Array:
@@ -213,15 +233,17 @@ def relative_change(values: Array, base: Array) -> Array:
         return np.where(values == base, 0.0, values / base - 1.0)
 
 
-def gain_shares(values: Mapping[str, float], base: Mapping[str, float]) -> dict[str, float]:
+def gain_shares(
+    values: Mapping[str, float], base: Mapping[str, float], least: Mapping[str, float] = FLOORS
+) -> dict[str, float]:
     """Each factor's share in the gain of J_W over a base design; they sum to 1.
 
     ln(J_W / J_W_base) is the sum of the factors' log gains. A negative share is a factor that got
-    worse. NaN where there is no gain to share: J_W is no better than that of the base.
+    worse. NaN where there is no gain to share: J_W is no better than that of the base. `least`: `floors`.
     """
     with np.errstate(invalid="ignore", divide="ignore"):
         log, log_base = (
-            np.log([max(one[n], FLOORS.get(n, -math.inf)) for n in FIVE]) for one in (values, base)
+            np.log([max(one[n], least.get(n, -math.inf)) for n in FIVE]) for one in (values, base)
         )
     parts = (log_base - log) * [OBJECTIVES[name].sign for name in FIVE] + 0.0  # + 0.0 turns -0 into 0
     shares = parts / parts.sum() if parts.sum() > 0.0 else np.full(len(FIVE), np.nan)

@@ -52,7 +52,7 @@ def own_code(laws: Sequence[Any], stepper: Any = None) -> tuple[Any, ...]:
 class Imported(NamedTuple):
     """A user's file as it was when it was imported, or first asked for: an edit counts once it is again."""
 
-    module: Any
+    there: Mapping[str, Any]  # its variables
     spec: Any  # another one after importlib.reload
     source: bytes
     data: dict[str, bytes]  # of the variables that its functions read and that are not `PLAIN`, by name
@@ -61,16 +61,15 @@ class Imported(NamedTuple):
 _IMPORTED: dict[str, Imported] = {}  # by path
 
 
-def imported(module: Any, path: str) -> Imported:
-    """A user's module, or script, with its file at a path."""
-    known, spec = _IMPORTED.get(path), getattr(module, "__spec__", None)
-    if known is None or known.module is not module or known.spec is not spec:
-        there, data = getattr(module, "__dict__", {}), dict[str, bytes]()
+def imported(there: Mapping[str, Any], path: str) -> Imported:
+    """A user's module, or script, by its variables, with its file at a path."""
+    known, spec, data = _IMPORTED.get(path), there.get("__spec__"), dict[str, bytes]()
+    if known is None or known.there is not there or known.spec is not spec:
         for name in {name for one in _functions(there) for name in _names(one.__code__, "LOAD_GLOBAL")}:
             if not (isinstance(one := there.get(name), PLAIN) or hasattr(one, "__name__")):  # as code has
                 with suppress(Exception):  # of what cannot be pickled nothing is known
                     data[name] = pickle.dumps(one)
-        known = _IMPORTED[path] = Imported(module, spec, Path(path).read_bytes(), data)
+        known = _IMPORTED[path] = Imported(there, spec, Path(path).read_bytes(), data)
     return known
 
 
@@ -82,41 +81,43 @@ def _functions(there: Mapping[str, Any]) -> Iterator[Any]:
                 yield part
 
 
-@lru_cache(maxsize=8)
-def digest_of(functions: tuple[Any, ...]) -> str:
-    """A digest of the sources of functions."""
-    return hashlib.sha256(b"".join(map(source_of, functions))).hexdigest()
-
-
 def source_of(thing: Any) -> bytes:
     """The file of a function or type, and the user's files that it imports; its code if it has no file."""
     try:
-        return b"".join(sources(sys.modules.get(thing.__module__), inspect.getfile(thing)))
-    except (OSError, TypeError):
+        there = getattr(thing, "__globals__", None) or vars(sys.modules[thing.__module__])
+        return b"".join(sources(there, inspect.getfile(thing)))
+    except (OSError, TypeError, KeyError):
+        # version 2 marks no object by how often it is in use
         parts = vars(thing).values() if isinstance(thing, type) else [thing]
-        return b"".join(marshal.dumps(part.__code__) for part in parts if hasattr(part, "__code__"))
+        return b"".join(marshal.dumps(part.__code__, 2) for part in parts if hasattr(part, "__code__"))
 
 
-def sources(module: Any, path: str) -> list[bytes]:
-    """The file of a user's module, and those of the user's modules that it imports, as they were then."""
-    files = {path: imported(module, path).source}
-    _read_imported(module, path, files)
+def sources(there: Mapping[str, Any], path: str) -> list[bytes]:
+    """The file of a user's module, by its variables, and of those that it imports, as they were then."""
+    files = {path: imported(there, path).source}
+    _read_imported(there, path, files)
     return [*files.values()]
 
 
-def _read_imported(module: Any, path: str, files: dict[str, bytes]) -> None:
+def _read_imported(there: Mapping[str, Any], path: str, files: dict[str, bytes]) -> None:
     """Read the files of a user's modules that a module with its file at a path imports, and so on."""
-    for node in _at_import(files[path]):
+    for node in _statements(files[path]):
         names = [one.name for one in node.names] if isinstance(node, ast.Import) else []
         if isinstance(node, ast.ImportFrom):
-            package = module.__package__.split(".")[: -node.level + 1 or None] if node.level else []
+            package = there["__package__"].split(".")[: -node.level + 1 or None] if node.level else []
             within = [*package, *filter(None, [node.module])]
             names = [".".join([*within, one.name]) for one in node.names]
         for name in (part for full in names for part in accumulate(full.split("."), "{}.{}".format)):
             place = getattr(sys.modules.get(name), "__file__", None) or ""
             if place.endswith(".py") and not place.startswith(INSTALLED) and place not in files:
-                files[place] = imported(sys.modules[name], place).source
-                _read_imported(sys.modules[name], place, files)
+                inner = vars(sys.modules[name])
+                files[place] = imported(inner, place).source
+                _read_imported(inner, place, files)
+
+
+@lru_cache(maxsize=64)
+def _statements(code: bytes) -> tuple[ast.AST, ...]:
+    return tuple(_at_import(code))
 
 
 def _at_import(code: Any) -> Iterator[ast.AST]:
@@ -139,12 +140,11 @@ def compiled_for(function: Callable[..., Any], laws: Sequence[Any], stepper: Any
     """A function that takes the laws of effects, compiled.
 
     With a user's own effect or stepper it is not cached on disk: every process reads that cache, and not all
-    of them can import the user's types. It is compiled again after they are edited.
+    of them can import the user's types. It is compiled again after they are edited, or what they read is.
     """
     check(not config.DISABLE_JIT, "NUMBA_DISABLE_JIT", config.DISABLE_JIT, "0: only compiled code walks")
     own = own_code(laws, stepper)
-    key = digest_of(tuple(thing for thing in own if not isinstance(thing, type)))
-    return _compiled(function, (key, own), wide_njit if own else cached_njit)
+    return _compiled(function, (own, *map(fingerprint, own)), wide_njit if own else cached_njit)
 
 
 def fingerprint(own: Any, within: tuple[Any, ...] = ()) -> tuple[str, str]:
@@ -193,9 +193,9 @@ def _read(function: Any) -> list[Any]:
     return [one if isinstance(one, PLAIN) else left.get(k) for k, one in read.items()]
 
 
-def _names(code: CodeType, *how: str) -> Iterator[str]:
+@lru_cache(maxsize=1024)
+def _names(code: CodeType, how: str) -> tuple[str, ...]:
     """The names of a module that code, and functions within it, load or store."""
-    yield from dict.fromkeys(one.argval for one in dis.get_instructions(code) if one.opname in how)
-    for inner in code.co_consts:
-        if isinstance(inner, CodeType):
-            yield from _names(inner, *how)
+    found = dict.fromkeys(one.argval for one in dis.get_instructions(code) if one.opname == how)
+    within = (_names(inner, how) for inner in code.co_consts if isinstance(inner, CodeType))
+    return (*found, *(name for names in within for name in names))

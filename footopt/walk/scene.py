@@ -133,9 +133,9 @@ class Scene(Simulator):
         return self.walker.weight
 
     @property
-    def error_floor(self) -> float:
-        """1, or weight times length of the legs, J, if that is less: for a small walker."""
-        return min(1.0, self.weight * (self.walker.l1 + self.walker.l2))
+    def legs(self) -> float:
+        """l1 + l2, m."""
+        return self.walker.l1 + self.walker.l2
 
     @property
     def title(self) -> str:

@@ -56,9 +56,9 @@ class Simulator(ABC):
         return EARTH
 
     @property
-    def error_floor(self) -> float:
-        """Work, J, and power, W: errors of smaller values are relative to this number."""
-        return 1.0
+    def legs(self) -> float:
+        """Length of the legs, m, or the height of a robot's centre of mass: with the weight its size."""
+        return math.nan
 
     @abstractmethod
     def walk(

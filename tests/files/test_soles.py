@@ -229,6 +229,16 @@ class TestTheLine:
         if ending != "csv":
             same(read(path, layer="OUTLINE"), HOLLOW.contour, 1e-9)
 
+    def test_in_two_units_or_stretched_is_refused(self, svg, tmp_path):
+        table = tmp_path / "two.csv"
+        table.write_text("x_mm,z_m\n-130,0\n0,-0.03\n130,0\n")
+        with pytest.raises(FileError, match="two units"):
+            fo.read_foot(table, units="mm")
+        head = 'width="600mm" height="100mm" viewBox="0 0 300 100" preserveAspectRatio="none"'
+        with pytest.raises(FileError, match="stretched or cut"):
+            read(svg(polygon(OUTLINE), head))
+        same(read(svg(polygon(OUTLINE), head.replace("none", "xMidYMid"))), LOWER, 1e-9)
+
     def test_follows_scale_toe_and_origin(self, svg):
         path = svg(polygon(OUTLINE))
         same(read(path, scale=2.0), 2 * LOWER, 1e-9)

@@ -21,6 +21,7 @@ from feet_in_sand import (
 )
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from numba import njit
 
 import footopt as fo
 from footopt.effects import EFFECTS, Inertia, Layers, Patches, Slope, laws, reshaping
@@ -189,3 +190,17 @@ def test_dual_numbers_have_the_rules_of_derivatives(a, b, da, db):
         assert (one.value, one.dz) == (rule(a, b), 0.0)
         assert one.dx == other.dz == pytest.approx(expected, rel=1e-5, abs=1e-6)
         assert rule(np.array([a]), Dual(b, db, 0.0)).value == rule(a, b)  # an array leaves it to the number
+    assert -Dual(a, da, db) == Dual(-a, -da, -db)
+
+
+def test_laws_may_negate_and_change_dual_numbers_in_place():
+    @njit
+    def law(x, y):
+        x += y
+        x *= y
+        x -= 2.0
+        x /= y
+        return -x
+
+    x, y = Dual(3.0, 1.0, 0.0), Dual(2.0, 0.0, 1.0)
+    assert law(x, y) == law.py_func(x, y) == -(((x + y) * y - 2.0) / y)

@@ -10,9 +10,11 @@ import pytest
 from numba.core.caching import NullCache
 
 import footopt as fo
-from footopt.effects import Effect, laws
+from footopt.effects import Effect, base, laws
+from footopt.effects.base import Laws
 from footopt.effects.dual import clipped
 from footopt.errors import SettingError
+from footopt.mujoco import callback
 from footopt.walk.loop import walk_designs
 from footopt.walk.own_code import compiled_for
 from footopt.walk.steppers import STEPPERS
@@ -24,12 +26,14 @@ from typing import NamedTuple
 from footopt.effects import Effect
 from footopt.effects.dual import clipped
 
+BIAS = 1.0
+
 class DampLaw(NamedTuple):
     rate: float
     cohesion: float
 
     def push(self, vn, depth):
-        return (self.cohesion + self.rate * vn) * clipped(depth / 1e-6, 0.0, 1.0)
+        return BIAS * (self.cohesion + self.rate * vn) * clipped(depth / 1e-6, 0.0, 1.0)
 
 @dataclass(frozen=True)
 class Damp(Effect):
@@ -99,6 +103,41 @@ class TestAnEffectOfOnesOwn:
         kept, not_kept = (compiled_for(walk_designs, on, stepper) for on in ((), (own.Damp().law,)))
         assert isinstance(not_kept._cache, NullCache)
         assert not isinstance(kept._cache, NullCache)
+
+    def test_is_compiled_again_where_what_its_law_reads_has_changed(self, own, monkeypatch):
+        stepper, law = STEPPERS["sdirk2"].parameters, own.Damp().law
+        monkeypatch.setattr(callback, "entry", lambda *given, **named: object())
+        found = []
+        for bias in (1.0, 2.0, 1.0):
+            own.BIAS = bias
+            acting = Laws(None, None, (law,))
+            found.append((compiled_for(walk_designs, (law,), stepper), callback.with_effects(acting)))
+        assert found[0] == found[2]
+        assert all(one is not other for one, other in zip(*found[:2], strict=True))
+
+    def test_does_not_inherit_what_a_built_in_effect_claims(self, monkeypatch):
+        monkeypatch.setattr(base, "EFFECTS", dict(base.EFFECTS))
+
+        @dataclass(frozen=True)
+        class Soft(fo.LeadingEdge, name="soft_edge"):
+            """A gate of one's own."""
+
+        assert base.name_of(Soft()) == "soft_edge"
+        assert base.name_of(fo.LeadingEdge()) == "leading_edge"
+        assert [Soft.plausible, Soft.literature, Soft.in_page] == [False] * 3
+
+    @pytest.mark.parametrize("load", ["load + 0.02", "load * load / load"])
+    def test_that_acts_in_the_air_is_refused(self, own, load):
+        names = {}
+        exec(f"def acts(self, load, depth, x): return {load}", names)
+        law = type("AirLaw", (own.DampLaw,), {"load": names["acts"], "__module__": "mine"})(1.0, 1.0)
+
+        class Airy(own.Damp):
+            pass
+
+        Airy.law = law
+        with pytest.raises(SettingError, match=r"AirLaw\.load.*0 at a depth of 0"):
+            laws((Airy(),))
 
     @pytest.mark.slow  # of compiling
     def test_classes_of_one_function_differ_by_what_they_close_over(self, flat_foot):

@@ -142,6 +142,22 @@ class TestTableFit:
         with pytest.raises(FileError, match=rf"t\.csv.*{message}"):
             fo.read_sand(tmp_path / "t.csv")
 
+    @pytest.mark.parametrize(
+        ("wrong", "message"),
+        [
+            (lambda b, g, x, z: (-b, -g, x, -z), "a level plate that is lifted"),
+            (lambda b, g, x, z: (np.pi / 2 - b, g, x, z), "a vertical plate that is pushed in"),
+        ],
+        ids=["z down", "beta from the vertical"],
+    )
+    def test_of_other_axes_is_refused(self, tmp_path, wrong, message):
+        b, g = np.radians(GRID).T
+        b, g, *stresses = wrong(b, g, *fo.stress.alpha(b, g))
+        rows = np.stack([np.degrees(b), np.degrees(g), *(a / PER_CM3 for a in stresses)], axis=1)
+        np.savetxt(tmp_path / "t.csv", rows, delimiter=",", header=HEAD.strip(), comments="")
+        with pytest.raises(FileError, match=message):
+            fo.read_sand(tmp_path / "t.csv")
+
     @pytest.mark.parametrize("angles", [GRID[:4], GRID[GRID[:, 0] == 0]], ids=["few rows", "one angle"])
     def test_too_few_angles_cannot_determine_nine_coefficients(self, tmp_path, angles):
         with pytest.raises(FileError, match="do not determine"):

@@ -46,6 +46,16 @@ class TestPlugins:
         with pytest.raises(HydraException, match=r"effects\.floor\.deep"):
             composed(*words, "effects.floor.deep=0.05")
 
+    def test_an_effect_may_have_a_list_of_numbers(self, tmp_path):
+        (tmp_path / "steps.py").write_text(
+            "from dataclasses import dataclass\nfrom footopt.effects import Effect\n"
+            "@dataclass(frozen=True)\nclass Steps(Effect, name='steps'):\n"
+            "    at: tuple[float, ...] = (1.0, 2.0)\n"
+        )
+        words = (f"plugins=[{tmp_path / 'steps.py'}]", "effects=[steps]")
+        assert [e.at for e in make_effects(composed(*words).effects)] == [(1.0, 2.0)]
+        assert [e.at for e in make_effects(composed(*words, "effects.steps.at=[3]").effects)] == [(3.0,)]
+
     def test_a_solver_joins_those_of_one_objective(self):
         assert (
             composed(f"plugins=[{CUSTOM / 'solver.py'}]", "solver=hill_climbing").solver.name

@@ -11,12 +11,15 @@ from lsoda import lsoda_objectives
 
 import footopt as fo
 from footopt import compiled
+from footopt.errors import SettingError
 from footopt.gait import LEFT, RIGHT
 from footopt.walk import STEPPERS, own_code
 from footopt.walk.accuracy import TOLERANCES
 from footopt.walk.checks import energy_gap
 from footopt.walk.loop import walk_designs
 from footopt.walk.results import stance
+from footopt.walk.steppers import Stepper
+from footopt.walk.steppers.explicit import runge_kutta
 
 ORDERS = {
     "explicit_euler": 1,
@@ -113,6 +116,15 @@ class TestOrders:
         for preset, tolerance in TOLERANCES.items():
             error = np.abs(fo.evaluate(k, scene, preset).values / exact - 1).max(axis=1)
             assert np.quantile(error, 0.95) <= tolerance, preset
+
+
+def test_a_tableau_with_a_stage_beyond_the_step_ends_at_the_step_s_end():
+    assert runge_kutta(c=(0.0, 1.5), b=(2 / 3, 1 / 3)).nodes == (1.5, 1.0)
+    for c, b in (((), ()), ((0.0, 0.5), (1.0,)), ((0.5,), (1.0,))):
+        with pytest.raises(SettingError, match="weights"):
+            runge_kutta(c, b)
+    with pytest.raises(SettingError, match="nodes"):
+        Stepper((), nodes=(0.5,))
 
 
 class TestSymmetriesOfTheWalk:

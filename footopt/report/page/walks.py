@@ -27,7 +27,7 @@ from footopt.walk.checks import WHY
 from footopt.walk.contact import BENT, EXPOSED, TURN
 from footopt.walk.ladder import numerics
 from footopt.walk.loop import MAX_REPEATS, NEAR_PEAK, PEAK
-from footopt.walk.objectives import FLOORS
+from footopt.walk.objectives import floors
 from footopt.walk.results import step_on_patch
 from footopt.walk.steppers import STEPPERS
 
@@ -251,7 +251,7 @@ def physics(
             if all(e.in_page for e in other.scene.effects)
         ],
         "why": [WHY[name] for name in ("depth of the sole", "depth of the ankle")],
-        "floors": FLOORS,
+        "floors": floors(scene),
         "foot": {"ankle": foot.ankle, "width": foot.width},
         # of a sole without waypoints
         "points": packed(foot.points(accuracy.plates, parts), double=True)

@@ -22,6 +22,7 @@ from typing import Any
 from numba.extending import overload
 
 from footopt.compiled import INLINE, inlined
+from footopt.errors import check
 from footopt.walk.bristles import bend, next_step, transition_speed_of
 from footopt.walk.contact import contact
 from footopt.walk.state import Integrals, State
@@ -34,6 +35,11 @@ class Stepper:
     parameters: Any  # a NamedTuple with the method `step`, see the top of this module
     nodes: tuple[float, ...]  # where in a step it needs the pose, as shares of the step
     implicit: bool = False  # whether it is L-stable, so that its steps may be long while the walker stands
+
+    def __post_init__(self) -> None:
+        check(
+            self.nodes and self.nodes[-1] == 1.0, "nodes", self.nodes, "some that end with 1, the step's end"
+        )
 
 
 STEPPERS: dict[str, Stepper] = {}

@@ -53,9 +53,9 @@ class SemiImplicitEuler(NamedTuple):
 
 def runge_kutta(c: tuple[float, ...], b: tuple[float, ...]) -> Stepper:
     """The stepper of a tableau whose stages each begin with the slope of the stage before."""
-    good = len(b) == len(c) and c[0] == 0.0 and abs(sum(b) - 1.0) < 1e-9
+    good = len(b) == len(c) > 0 and c[0] == 0.0 and abs(sum(b) - 1.0) < 1e-9
     check(good, "b", b, f"as many weights as nodes, {len(c)}, with a sum of 1; the first node is 0")
-    nodes = tuple(sorted({*c[1:], 1.0}))
+    nodes = (*sorted({*c[1:]} - {1.0}), 1.0)
     return Stepper(Tableau(c, b, (0, *map(nodes.index, c[1:]))), nodes)
 
 
