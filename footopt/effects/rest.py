@@ -22,7 +22,8 @@ class Rest(Effect, name="rest"):
     Parameters
     ----------
     length : float, m
-        delta. On hard sand 1e-6 changes the objectives of 95 % of walks by less than 0.3 %, 1e-5 by 1.6 %.
+        delta. On hard sand 1e-6 changes the objectives of 95 % of walks by less than 0.3 %, 1e-5 by 1.6 %;
+        for a walker of a tenth of the size, a tenth of these lengths does.
 
     Raises
     ------

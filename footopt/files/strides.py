@@ -9,7 +9,7 @@ from footopt.arrays import Array
 from footopt.errors import Unusable
 from footopt.gait import HARMONICS, Fourier
 
-PERIOD_RANGE = (0.2, 5.0)  # of a stride, s: a sprinter's is 0.45; anything else is a mistake in the units
+PERIOD_RANGE = (0.02, 5.0)  # of a stride, s: a sprinter's is 0.45, that of a robot of 1 g 0.1
 MIN_AUTOCORRELATION = 0.8  # least autocorrelation that is a period
 PEAK_MARGIN = 0.1  # below the largest autocorrelation; the first lag that has as much is one stride, not two
 MOST_OF_WINDOW = 0.6  # share of a window for one stride; with a shorter period, the window holds several
@@ -110,6 +110,7 @@ def _period(t: Array, angles: dict[str, Array]) -> float | None:
     off = [np.mean(np.square(rows[:, lag:] - rows[:, :-lag]), axis=1) / (2.0 * power) for lag in lags]
     alike = 1.0 - np.mean(off, axis=1)
     peaks, _ = find_peaks(alike, MIN_AUTOCORRELATION)
+    peaks = peaks[peaks > np.argmax(alike < MIN_AUTOCORRELATION)]  # before that, it is like itself at rest
     if not len(peaks):
         return None
     first = peaks[alike[peaks] > alike[peaks].max() - PEAK_MARGIN][0]

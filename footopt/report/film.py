@@ -19,8 +19,8 @@ from footopt.walk import Walk
 
 FRAMES = 2000  # of a GIF, at most: they are in memory until it is written, about a megabyte each
 WIDEST = 3.0  # times its height: a longer walk is followed by the camera
-CLOSE, ASPECT = 0.8, 0.28  # the close-up: its width, m, and its height by its width
-LONGEST = 0.06  # longest arrow in the close-up, m
+CLOSE, ASPECT = 3.1, 0.28  # the close-up: its width, of a sole's length, and its height by its width
+LONGEST = 0.23  # longest arrow in the close-up, of that length
 
 
 def check_film(path: str | Path, setting: str = "path") -> Path:
@@ -103,7 +103,8 @@ def scene_of(walk: Walk, t: Array, speed: float, camera: Any = None) -> tuple[An
     left, right, low, high = stage.limits
     high = max(high, 1.05 * camera.top) if camera else high
     wide = min(right - left, WIDEST * (high - low))
-    deep = min(float(stage.sole[..., 1].min()), 0.0) - 1.1 * LONGEST
+    close, longest = np.array([CLOSE, LONGEST]) * np.ptp(walk.foot.contour[:, 0])
+    deep = min(float(stage.sole[..., 1].min()), 0.0) - 1.1 * longest
     largest = max(float(np.linalg.norm(stage.force, axis=-1).max()), 1e-9)
     heights = [(PAGE - 0.6) * (high - low) / wide, (PAGE - 0.6) * ASPECT]
     figure = new_figure(PAGE, sum(heights) + 0.9)
@@ -114,7 +115,7 @@ def scene_of(walk: Walk, t: Array, speed: float, camera: Any = None) -> tuple[An
     def show(i: int) -> None:
         hip = float(stage.legs[i, 0, 0, 0])
         middle = float(np.clip(hip, left + 0.5 * wide, right - 0.5 * wide))
-        views = (whole, middle, wide, (low, high)), (near, hip, CLOSE, (deep, deep + CLOSE * ASPECT))
+        views = (whole, middle, wide, (low, high)), (near, hip, close, (deep, deep + close * ASPECT))
         for axes, x, span, z in views:
             axes.clear()
             axes.set(xlim=(x - 0.5 * span, x + 0.5 * span), ylim=z, aspect="equal", ylabel="$z$ (m)")
@@ -125,7 +126,7 @@ def scene_of(walk: Walk, t: Array, speed: float, camera: Any = None) -> tuple[An
             whole.imshow(camera.picture(int(stage.index[i]), *view), extent=view, aspect="equal", zorder=1.5)
         arrows = stage.draw_feet(whole, i, stage.scale, legs=not camera)
         draw_key(whole, arrows, stage.scale * ARROW * high)
-        draw_key(near, stage.draw_feet(near, i, largest / LONGEST, close=True), 0.8 * largest)
+        draw_key(near, stage.draw_feet(near, i, largest / longest, close=True), 0.8 * largest)
         for foot, (side, _) in enumerate(sides(walk)):
             write(near, side, stage.legs[i, foot, -1], (0, 12), ha="center")
         near.set_xlabel("$x$ (m)")

@@ -38,7 +38,7 @@ def percent(share: float) -> str:
 
 def change(name: str, value: float, base: float) -> str:
     """The change of an objective: of J_W the multiple of its base, "x 1.79", of others "-2.3 %"."""
-    ratio = value / base if base else math.nan
+    ratio = value / base if abs(base) > TINY else math.nan
     if not math.isfinite(ratio):
         return "-"
     return f"x {ratio:.2f}" if name == "efficiency" else f"{100 * (ratio - 1):+.1f} %"

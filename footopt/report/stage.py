@@ -19,6 +19,7 @@ from footopt.walk import Scene, Walk
 
 ARROWS = 20  # parts of a sole, at most, that have a force each
 POSES = 9  # of the walker in the picture of a walk
+THIN = 0.02  # of a sole's length: what is drawn of a foot above the highest point of its sole
 ARROW = 0.2  # of the picture's height: an arrow of half of the walk's largest force
 FAR = 1e6  # m, beyond any view
 WIDE, HIGH = 0.12, 0.05  # of a picture: a narrower patch or a thinner layer has no room for its name
@@ -103,7 +104,9 @@ class Stage:
         self.legs, pitch = walk.legs(self.t), walk.pitch(self.t)
         turn = np.array([[np.cos(pitch), np.sin(pitch)], [-np.sin(pitch), np.cos(pitch)]])
         turned, ankle = np.moveaxis(turn, (0, 1), (-2, -1)), self.legs[:, :, -1, None]
-        outline = closed_contour(foot.contour, max(0.0, foot.contour[:, 1].max() + 0.005))
+        outline = closed_contour(
+            foot.contour, max(0.0, foot.contour[:, 1].max() + THIN * np.ptp(foot.contour[:, 0]))
+        )
         self.sole, self.outline = (ankle + (line - foot.ankle) @ turned for line in (foot.contour, outline))
         self.index = np.minimum(np.searchsorted(walk.t, self.t), len(walk.t) - 1)  # of samples with forces
         self.at, self.force = forces_along(walk, self.index)

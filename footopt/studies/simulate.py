@@ -2,10 +2,11 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from rich.text import Text
 
 from footopt.errors import check
@@ -17,7 +18,7 @@ from footopt.report import terminal
 from footopt.report.numbers import title
 from footopt.report.output import foot_entry, scene_entry
 from footopt.studies import ROBOT, SCENE
-from footopt.studies.build import make_space, make_strides
+from footopt.studies.build import make_strides
 from footopt.studies.effects import choose_effects
 from footopt.studies.load import changed_since, foot_of
 from footopt.studies.runs import Study
@@ -38,7 +39,7 @@ def run(study: Study) -> Any:
     study.say(terminal.describe_setup(scene, foot))
     with study.compiling():
         walk = simulate(foot, scene, accuracy)
-        level = Foot.flat(foot.space or make_space(study.config.foot))
+        level = Foot.flat(foot.space) if foot.space else flattened(foot)
         flat = walk if level == foot else simulate(level, scene, accuracy)
     names = tuple(dict.fromkeys((*walk.objectives, *study.config.objective.names)))
     entry, diagnostics = walk_entry(study, walk, flat, names, chosen)
@@ -74,6 +75,12 @@ def run(study: Study) -> Any:
         terminal.warn(study.console, note)
     study.close()
     return values
+
+
+def flattened(foot: Foot) -> Foot:
+    """The level sole that is as long as another one, at its lowest point."""
+    (left, low), (right, _) = foot.contour.min(axis=0), foot.contour.max(axis=0)
+    return replace(foot, contour=np.array([(left, low), (right, low)]), name="flat")
 
 
 def _undefined(walk: Walk, values: Mapping[str, float]) -> list[str]:

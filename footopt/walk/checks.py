@@ -26,7 +26,7 @@ NOISE = 1e-5  # of a walk's largest power; 5e-6 is the most in 120 marches that 
 #: Names of the diagnostics, and why a value above the limit is doubtful.
 WHY = {
     "depth of the sole": "the law's growth with depth is tested to about one plate width",
-    "depth of the ankle": "only the sole feels the sand, not the leg; foot.ankle=[0,0.05] raises the ankle",
+    "depth of the ankle": "only the sole feels the sand, not the leg; a higher foot.ankle raises it",
     "force-weighted plate speed": "the law is tested for slow motion; effects=inertia may matter",
     "inertial share of the force": "the sand's inertia is left out; effects=inertia counts it",
     "share of |W| on trailing faces":

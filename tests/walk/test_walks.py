@@ -14,8 +14,9 @@ from footopt import compiled
 from footopt.errors import SettingError
 from footopt.gait import LEFT, RIGHT
 from footopt.walk import STEPPERS, own_code
-from footopt.walk.accuracy import TOLERANCES
+from footopt.walk.accuracy import PRESETS, TOLERANCES
 from footopt.walk.checks import energy_gap
+from footopt.walk.ladder import numerics
 from footopt.walk.loop import walk_designs
 from footopt.walk.results import stance
 from footopt.walk.steppers import Stepper
@@ -150,6 +151,20 @@ class TestSymmetriesOfTheWalk:
         np.testing.assert_allclose(big.force, small.force * s**3, rtol=1e-10)
         assert stance(big) == stance(small)
         assert big.objectives["efficiency"] * s**6 == pytest.approx(small.objectives["efficiency"], rel=1e-10)
+
+    def test_feet_of_a_small_walker_are_judged_as_those_of_a_large_one(self):
+        """By the same steps, plates and creep speed, and by floors of J_W that follow its size."""
+        s, hard = 2.0**-6, fo.Scene(sand=fo.Sand.named("hard"))
+        gait = fo.Gait.human(period=1.2 * s**0.5, start=0.5 * s**0.5)
+        small = fo.Scene(hard.sand, gait, fo.Walker(mass=60 * s**3, l1=0.47 * s, l2=0.45 * s))
+        spaces = {hard: fo.Waypoints(), small: fo.Waypoints(L=0.13 * s, H=0.03 * s, width=0.1 * s)}
+        numbers = {scene: numerics(PRESETS["standard"], scene, space) for scene, space in spaces.items()}
+        assert numbers[small].plates == numbers[hard].plates
+        assert numbers[small].control == numbers[hard].control * s**0.5
+        names = ("efficiency", "work", "speed_loss")
+        k = fo.Waypoints().random(8, seed=3)
+        big, little = (fo.evaluate(k, scene, numbers[scene], names, spaces[scene]).values for scene in spaces)
+        np.testing.assert_allclose(little / [s**-6, s**4, s**0.5], big, rtol=1e-9)
 
     def test_mass_and_stiffness_together_set_only_the_scale_of_forces(self, ramp_foot):
         light = fo.simulate(ramp_foot, fo.Scene(sand=fo.Sand(1.0)))

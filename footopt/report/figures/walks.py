@@ -1,5 +1,6 @@
 """Figures of walks and searches: traces, a step in the sand; convergence, designs by pairs of objectives."""
 
+import math
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
@@ -125,6 +126,7 @@ def step(walk: Walk) -> Figure:
     figure = style.new_figure(style.PAGE, 6.0)
     figure.set_layout_engine("constrained", hspace=0.0)
     grid = figure.subplots(ROWS, COLUMNS, sharex=True, sharey=True)
+    digits = max(2, 1 - math.floor(math.log10(stage.t[-1] - begin)))
     for i, axes in enumerate(grid.flat):
         axes.set(xlim=(left - margin, right + margin), aspect="equal")
         axes.set(ylim=(low - longest - margin, max(high, 0.0) + 2 * margin))
@@ -132,7 +134,8 @@ def step(walk: Walk) -> Figure:
         arrows = stage.draw_feet(axes, i, largest / longest, foot, close=True)
         if i == 0:
             draw_key(axes, arrows, 0.8 * largest)
-        axes.text(0.02, 0.98, f"{stage.t[i] - begin:.2f} s", va="top", transform=axes.transAxes)
+        passed = stage.t[i] - begin
+        axes.text(0.02, 0.98, f"{passed:.{digits}f} s", va="top", transform=axes.transAxes)
         axes.xaxis.set_major_locator(MaxNLocator(3))
         axes.yaxis.set_major_locator(MaxNLocator(4))
     since = f"{'heel strike' if contact.dragged else 'touch-down'} at t = {begin:.2f} s"

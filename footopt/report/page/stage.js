@@ -163,14 +163,15 @@ function stage(holder, walk, { close = false, x, z, label, other = null, fixed =
       for (const { leg, carry } of behind) for (const points of [[...carry(other.shape), carry(other.shape)[0]], ...(close ? [] : [leg])])
         ghosts.push(points.map(([u, v]) => [u + shift, v]));
     }
+    const along = ticks(view.left, view.right, width / 110);
     const sand = groundPicture(view), body = bodyPicture(now, view, ghosts), words = [...sand.words, ...body.words];
     redrawn(holder.firstChild, [
       ...[...sand.shapes, ...body.shapes].filter(([, points]) => points.length).map(([name, points, style = ""]) => ["path", { class: name, style, d: name.endsWith("dots") ? points.map(([u, v]) => `M${X(u)} ${Z(v)}h.01`).join("") : line(points) }]),
       ["rect", { x: 0, y: above, width, height: axis, fill: "var(--paper)" }],
-      ...[...words.map(([u, v, text, anchor]) => [X(u), Z(v) + 4, text, anchor]), ...ticks(view.left, view.right, width / 110).values
-        .filter((v) => X(v) > 24 && X(v) < width - 24).map((v) => [X(v), height - 2, `${+v.toFixed(2)} m`.replace("-", "−"), "middle"])]
+      ...[...words.map(([u, v, text, anchor]) => [X(u), Z(v) + 4, text, anchor]), ...along.values
+        .filter((v) => X(v) > 24 && X(v) < width - 24).map((v) => [X(v), height - 2, `${+v.toFixed(Math.max(2, along.digits))} m`.replace("-", "−"), "middle"])]
         .map(([x, y, text, anchor = "start"]) => ["text", { class: "halo", x, y, "text-anchor": anchor }, text]),
-      ...ticks(view.left, view.right, width / 110).values.map((v) => ["line", { class: "axis", x1: X(v), x2: X(v), y1: above, y2: above + 4 }]),
+      ...along.values.map((v) => ["line", { class: "axis", x1: X(v), x2: X(v), y1: above, y2: above + 4 }]),
     ]);
   };
 }

@@ -68,7 +68,7 @@ function walkSection() {
   const speed = el("select", { id: "speed" },
     ...[["1", "real time"], ["0.5", "1/2"], ["0.25", "1/4"], ["0.1", "1/10"]].map(([value, text]) => el("option", { value }, text)));
   speed.value = "0.5";
-  const scrubber = el("input", { id: "time", type: "range", min: 0, max: gait.end, step: 0.005,
+  const scrubber = el("input", { id: "time", type: "range", min: 0, max: gait.end, step: gait.end / 500,
     "aria-label": "time of the walk, s", input: () => { stop(); move(+scrubber.value); } });
   const clock = el("output", { for: "time", style: "min-width:9.5em" });
   const whole = el("div", { class: "plot" }), near = el("div", { class: "plot" });
@@ -117,7 +117,8 @@ function walkSection() {
     state.t = clip(t, 0, state.walk.t.at(-1));
     state.movers.forEach((mover) => mover(state.t));
     scrubber.value = state.t;
-    clock.textContent = `t = ${state.t.toFixed(2)} s of ${gait.end.toFixed(2)} s`;
+    const [now, end] = [state.t, gait.end].map((s) => s.toFixed(gait.end < 0.5 ? 4 : 2));
+    clock.textContent = `t = ${now} s of ${end} s`;
     scrubber.setAttribute("aria-valuetext", clock.textContent);
     const get = (name, width) => at(state.walk, name, width, state.t);
     const com = get("com", 2), v = get("velocity", 2), f = get("force", 2 * SIDES.length), p = get("power", SIDES.length), w = get("work", SIDES.length);
