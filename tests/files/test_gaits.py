@@ -53,6 +53,11 @@ class TestStrides:
             assert found.period == pytest.approx(gait.period, rel=0.002), seed
             assert misfit(found, gait) < 0.6, seed
 
+    def test_strides_of_a_small_robot_are_found(self):
+        t, rng = np.arange(200) * 0.003, np.random.default_rng(4)
+        angles = {joint: v + rng.normal(0.0, 0.5, len(t)) for joint, v in degrees(HUMAN, t / 0.15).items()}
+        assert fo.fit_gait(t, *angles.values()).period == pytest.approx(0.15, rel=0.002)
+
     def test_spread_is_that_of_the_strides(self):
         """Strides whose periods differ by 3 % and whose angles differ by 2 deg give that spread."""
         rng = np.random.default_rng(3)
