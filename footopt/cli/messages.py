@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from difflib import get_close_matches
 
 from hydra.errors import HydraException
+from numba.core.errors import NumbaError
 from omegaconf.errors import ConfigAttributeError, ConfigKeyError, OmegaConfBaseException
 from yaml import YAMLError
 
@@ -12,6 +13,7 @@ from footopt.cli.compose import groups
 from footopt.errors import FootoptError, SettingError
 from footopt.studies import not_read, studies_that_read
 from footopt.studies.settings import known
+from footopt.walk.own_code import own_line
 
 MORE = "`footopt --help` lists all settings."
 NO_NAME = re.compile(r"\[?[-.\d]|(null|true|false)$")  # values that no choice of a group has
@@ -33,6 +35,8 @@ def explain(error: BaseException, overrides: Sequence[str] = ()) -> str:
         return str(translated)
     if isinstance(error, (OSError, MemoryError)):
         return str(error) or type(error).__name__
+    if isinstance(error, NumbaError) and (place := own_line(str(error))):
+        return f"{place}: cannot be compiled. A law takes + - * / and what footopt.effects.dual has."
     if type(error).__module__.partition(".")[0] in ("submitit", "joblib"):
         hint = "footopt resume=FOLDER, with that of the multirun, finishes the jobs without a result."
         return f"a job was lost ({error}). Others may still run. {hint}"

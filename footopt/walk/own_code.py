@@ -7,6 +7,7 @@ import inspect
 import marshal
 import os
 import pickle
+import re
 import site
 import sys
 import sysconfig
@@ -40,6 +41,14 @@ INSTALLED = tuple(f"{folder}{os.sep}" for folder in FOLDERS)
 def is_own(thing: Any) -> bool:
     """Whether a type or function is a user's, not footopt's."""
     return not thing.__module__.startswith("footopt.")
+
+
+def own_line(text: str) -> str:
+    """The first line of a user's own file that an error of numba names; "" if there is none."""
+    for name, line in re.findall(r'File "([^"]+)", line (\d+)', text):
+        if not str(Path(name).resolve()).startswith(INSTALLED):
+            return f"{name}, line {line}"
+    return ""
 
 
 def own_code(laws: Sequence[Any], stepper: Any = None) -> tuple[Any, ...]:

@@ -1,9 +1,14 @@
 """The table of bad commands: each is refused by the name of its setting and its value, and leaves nothing."""
 
+import re
+
 import pytest
+from numba import njit
+from numba.core.errors import NumbaError
 from running import footopt, program
 
 import footopt as fo
+from footopt.cli.messages import explain
 
 #: Words of a command, and what the message names.
 COMMANDS = {
@@ -107,3 +112,13 @@ def test_a_refused_run_removes_no_folder_that_was_there(place, tmp_path):
     done = footopt("study=simulate", "foot.width=-1", f"hydra.run.dir={place}", cwd=here)
     assert "foot.width" in done.stderr
     assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_a_law_that_cannot_be_compiled_is_named_by_its_line():
+    @njit
+    def load(x):
+        return x.root
+
+    with pytest.raises(NumbaError) as caught:
+        load(1.0)
+    assert re.match(r".*test_bad_input\.py, line \d+: cannot be compiled", explain(caught.value))
