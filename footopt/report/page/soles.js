@@ -110,11 +110,11 @@ function soleDrawing(points, { width, k = null, height = null, ghost = null, pla
     if (space) made.append(svg("rect", { x: X(-space.L), y: Z(0), width: 2 * space.L * scale,
       height: space.H * scale, fill: "var(--pale)" }));
     const foot = Z(z0) + 4;
-    const text = (v) => String(Math.round(v)).replace("-", "−");
-    made.append(...ticks(MM * x0, MM * x1, width / 90).values.flatMap((v) => [svg("line", { class: "axis", x1: X(v / MM), x2: X(v / MM), y1: foot, y2: foot + 4 }),
-      svg("text", { x: X(v / MM), y: foot + 17, "text-anchor": "middle" }, text(v))]),
-    ...ticks(MM * z0, MM * z1, 3).values.flatMap((v) => [svg("line", { class: "axis", x1: edge - 4, x2: edge, y1: Z(v / MM), y2: Z(v / MM) }),
-      svg("text", { x: edge - 6, y: Z(v / MM) + 4, "text-anchor": "end" }, text(v))]));
+    const across = ticks(MM * x0, MM * x1, width / 90), up = ticks(MM * z0, MM * z1, 3);
+    made.append(...across.values.flatMap((v) => [svg("line", { class: "axis", x1: X(v / MM), x2: X(v / MM), y1: foot, y2: foot + 4 }),
+      svg("text", { x: X(v / MM), y: foot + 17, "text-anchor": "middle" }, tickText(v, across))]),
+    ...up.values.flatMap((v) => [svg("line", { class: "axis", x1: edge - 4, x2: edge, y1: Z(v / MM), y2: Z(v / MM) }),
+      svg("text", { x: edge - 6, y: Z(v / MM) + 4, "text-anchor": "end" }, tickText(v, up))]));
     made.append(svg("text", { x: (edge + width) / 2, y: foot + 34, "text-anchor": "middle" },
       "x (mm), to the toe; upwards z (mm), same scale"));
   }
