@@ -197,7 +197,7 @@ def _leg(
     if not share[0] + 1.0 - 2.0 * np.diff(share).max() <= share[-1] <= share[0] + 1.0 + 1e-6:
         low, high = read["percent"][[0, -1]]
         raise Unusable(f"is not one whole stride: its phase, in percent or to 1, is {low:g} to {high:g}.")
-    t = PHASE_PERIOD * (share if share[-1] < 1.0 + 1e-6 else share - share[0])
+    t = PHASE_PERIOD * (share if -1e-6 < share[0] and share[-1] < 1.0 + 1e-6 else share - share[0])
     before = t[:1] > 1e-6 * PHASE_PERIOD  # the last row comes before the first one, too
     after = t[-1:] < (1.0 - 1e-6) * PHASE_PERIOD  # and the first one after the last
     t = np.concatenate([t[-1:][before] - PHASE_PERIOD, t, t[:1][after] + PHASE_PERIOD])

@@ -19,7 +19,7 @@ from footopt.foot import Foot
 
 READERS = {".dxf": read_dxf, ".svg": read_svg, ".csv": read_table}
 MAX_COORDINATE = 1e6  # m; no drawing has a point farther from its origin
-LENGTH_RANGE = (1e-3, 0.6)  # of a sole, m; anything else is a mistake in the units, as cm for inches
+LENGTH_RANGE = (1e-3, 0.6)  # of a sole, m; anything else is a mistake in the units, as m for mm
 MAX_HOLE = 0.5  # of an outline's length: a larger line inside it may be the sole itself
 LISTED = 5  # lines of a drawing that a message lists
 

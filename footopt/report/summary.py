@@ -195,7 +195,7 @@ def _of(run: Row, meant: Mapping[str, Any]) -> float:
     """An objective of a run; NaN where that of a plugin has another unit or sense there than in a column."""
     name, result = meant["name"], run.result
     same = all(
-        result.get(of, {}).get(name) == meant[one]
+        result.get(of, {}).get(name, meant[one]) == meant[one]
         for of, one in (("units", "unit"), ("maximise", "maximise"))
     )
     return run.objectives.get(name, math.nan) if same else math.nan
@@ -265,9 +265,9 @@ def fronts(runs: Sequence[Row]) -> list[Fronts]:
 
 def _sought(run: Row) -> list[Objective]:
     """The objectives of a search as its run describes them: those of a plugin may not be known here."""
-    names, (units, most) = run.result["objective_names"], (run.result[of] for of in ("units", "maximise"))
+    names, units, most = (run.result.get(of, {}) for of in ("objective_names", "units", "maximise"))
     symbols = {name: MEASURES[name].symbol if name in MEASURES else "" for name in names}
-    return [Objective(n, symbols[n], units[n], most[n], math.nan, float) for n in names]
+    return [Objective(n, symbols[n], units.get(n, ""), most.get(n, False), math.nan, float) for n in names]
 
 
 def runs_content(

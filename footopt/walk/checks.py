@@ -39,7 +39,7 @@ WHY = {
     "pitch of the more level foot at the start":
         "z of a foot's body is up where its sole is level; put a body with such axes into it, and name that",
     "floor of J_W over what is below it":
-        "J_W counts no less than 1 J, 1 W and 0.001 m/s of a human, and in proportion of a smaller walker; "
+        "J_W counts no less than 1 J, 1 W and 0.001 m/s of a human on the Earth; "
         "a later scene.t_f may be fairer",
 }  # fmt: skip
 RARE = tuple(WHY)[5:]  # reported only where they are beyond their limit

@@ -201,7 +201,7 @@ FIVE = ("distance", "mean_height", "work", "peak_power", "speed_loss")
 
 
 def sizes(values: Array, simulator: Simulator | None = None) -> Array:
-    """Sizes that errors of the `FIVE` (walks, objectives) are relative to: `floors` or `LENGTH` at least."""
+    """Sizes that errors of the `FIVE` (walks, objectives) are relative to: `floors`, `shortest` at least."""
     least = floors(simulator) if simulator else FLOORS
     length = shortest(simulator) if simulator else LENGTH
     return np.maximum(np.abs(values), [least.get(name, length) for name in FIVE])
@@ -213,7 +213,7 @@ def shortest(simulator: Simulator) -> float:
 
 
 def floors(simulator: Simulator) -> dict[str, float]:
-    """`FLOORS`; of a walker smaller than a human in proportion to M g l, M g sqrt(g l) and sqrt(g l)."""
+    """`FLOORS`; where M g l, M g sqrt(g l) and sqrt(g l) are less than a human's, in proportion to them."""
     _, *parts = _part_of_human(simulator)
     return {name: floor * part for (name, floor), part in zip(FLOORS.items(), parts, strict=True)}
 

@@ -64,7 +64,7 @@ class Imported(NamedTuple):
     there: Mapping[str, Any]  # its variables
     spec: Any  # another one after importlib.reload
     source: bytes
-    data: dict[str, bytes]  # of the variables that its functions read and that are not `PLAIN`, by name
+    data: dict[str, tuple[Any, bytes]]  # variables that its functions read and that are not `PLAIN`, by name
 
 
 _IMPORTED: dict[str, Imported] = {}  # by path
@@ -72,14 +72,23 @@ _IMPORTED: dict[str, Imported] = {}  # by path
 
 def imported(there: Mapping[str, Any], path: str) -> Imported:
     """A user's module, or script, by its variables, with its file at a path."""
-    known, spec, data = _IMPORTED.get(path), there.get("__spec__"), dict[str, bytes]()
+    known, spec = _IMPORTED.get(path), there.get("__spec__")
     if known is None or known.there is not there or known.spec is not spec:
-        for name in {name for one in _functions(there) for name in _names(one.__code__, "LOAD_GLOBAL")}:
-            if not (isinstance(one := there.get(name), PLAIN) or hasattr(one, "__name__")):  # as code has
-                with suppress(Exception):  # of what cannot be pickled nothing is known
-                    data[name] = pickle.dumps(one)
-        known = _IMPORTED[path] = Imported(there, spec, Path(path).read_bytes(), data)
+        source = Path(path).read_bytes()
+        names = {name for one in _functions(there) for name in _names(one.__code__, "LOAD_GLOBAL")}
+        data = {name: (there.get(name), _content(there.get(name))) for name in names}
+        known = _IMPORTED[path] = Imported(there, spec, source, data)
     return known
+
+
+def _content(one: Any) -> bytes:
+    """What a variable holds that is not `PLAIN`; nothing of code, random numbers, and what has no pickle."""
+    drawn = type(one).__module__.partition(".")[0] == "random" or isinstance(one, np.random.Generator)
+    if drawn or isinstance(one, PLAIN) or hasattr(one, "__name__"):  # as code has
+        return b""
+    with suppress(Exception):
+        return pickle.dumps(sorted(one, key=repr) if isinstance(one, set | frozenset) else one)
+    return b""
 
 
 def _functions(there: Mapping[str, Any]) -> Iterator[Any]:
@@ -183,23 +192,23 @@ def _read(function: Any) -> list[Any]:
     """What a function reads of its module: of a notebook all, of a file what a script may change in it.
 
     That are the numbers, texts, tuples and arrays that it, and the functions there that it calls, read and
-    that none sets. Others, such as lists and dictionaries, often keep what has been computed: they count as
-    they were when the file was imported.
+    that none sets. Others, such as lists and dictionaries, often keep what has been computed: one counts as
+    it was when the file was imported, until the name stands for another one.
     """
     there = function.__globals__
     if "__file__" not in there:
         return [there.get(name) for name in _names(function.__code__, "LOAD_GLOBAL")]
-    own = [*_functions(there)]
-    kept = {name for one in own for name in _names(one.__code__, "STORE_GLOBAL")}
+    kept = {name for one in _functions(there) for name in _names(one.__code__, "STORE_GLOBAL")}
     read, todo = dict[str, Any](), [function]
     while todo:
         new = {k: there.get(k) for k in _names(todo.pop().__code__, "LOAD_GLOBAL") if k not in read}
-        todo += [one for one in new.values() if one in own]
+        todo += [one for one in new.values() if inspect.isfunction(one) and one.__globals__ is there]
         read |= new
     known = _IMPORTED.get(function.__code__.co_filename)
     left = {} if known is None else known.data
     read = {k: one for k, one in read.items() if k not in kept and k[:2] != "__"}
-    return [one if isinstance(one, PLAIN) else left.get(k) for k, one in read.items()]
+    seen = {k: left[k][1] for k, one in read.items() if k in left and left[k][0] is one}
+    return [one if isinstance(one, PLAIN) else seen.get(k) or _content(one) for k, one in read.items()]
 
 
 @lru_cache(maxsize=1024)

@@ -188,10 +188,10 @@ class TestCsv:
         path.write_text(text.replace(",", ";").replace(".", ","))
         assert fo.read_gait(path, names={"knee": "Knie"}).knee == gait.knee
 
-    @pytest.mark.parametrize(("first", "last"), [(0, 100), (0, 99), (1, 100), (0.5, 99.5)])
+    @pytest.mark.parametrize(("first", "last"), [(0, 100), (0, 99), (1, 100), (0.5, 99.5), (-50, 50)])
     def test_a_phase_in_percent_is_one_stride(self, tmp_path, first, last):
         percent = np.arange(first, last + 0.1)
-        angles = degrees(HUMAN, percent / 100)
+        angles = degrees(HUMAN, (percent - min(first, 0)) / 100)  # from -50 on that is where it begins
         rows = np.stack([percent, angles["thigh"], angles["knee"]], axis=1)
         np.savetxt(tmp_path / "g.csv", rows, delimiter=",", header="percent,thigh,knee", comments="")
         gait = fo.read_gait(tmp_path / "g.csv")

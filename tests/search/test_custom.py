@@ -1,8 +1,10 @@
 """The examples of one's own sand, effect, objective and solver: short, run as they are, and as plugins."""
 
 import importlib
+import os
 import re
 import runpy
+import subprocess
 import sys
 from pathlib import Path
 
@@ -115,6 +117,30 @@ class TestPlugins:
         table.write_text("[1.0, 3.0]")
         importlib.reload(sys.modules["own_table"])
         assert key_of(fo.FootProblem(objective=["price", "work"])) != before
+
+    def test_a_store_knows_any_data_that_a_plugin_reads_in_every_process(self, tmp_path):
+        (tmp_path / "own_data.py").write_text(
+            "import numpy as np\nfrom footopt.walk.objectives import measure\n"
+            "TABLE, NAMES, PRICES = np.array([1.0, 2.0]), {'a', 'b', 'c', 'd'}, {'a': 1.0}\n"
+            "@measure('foot', 's', '', maximise=False, worst=9.0)\n"
+            "def score(foot):\n    return TABLE.sum() * len(NAMES) * PRICES['a']\n"
+        )
+        code = (
+            "import footopt as fo, sys\nfrom footopt.studies.build import load_plugins\n"
+            "from footopt.design.store import key_of\nload_plugins(['own_data.py'])\n"
+            "problem = fo.FootProblem(objective=['score', 'work'])\nprint(key_of(problem)['own'])\n"
+            "for new in ({'TABLE': [1.0, 3.0]}, {'NAMES': {'a'}}, {'PRICES': {'a': 2.0}}):\n"
+            "    vars(sys.modules['own_data']).update(new)\n    print(key_of(problem)['own'])\n"
+        )
+        runs = [
+            subprocess.run(
+                [sys.executable, "-c", code], cwd=tmp_path, env=os.environ | {"PYTHONHASHSEED": seed},
+                capture_output=True, text=True, check=True,
+            ).stdout.splitlines()
+            for seed in "123"
+        ]  # fmt: skip
+        assert runs[0] == runs[1] == runs[2]
+        assert len({*runs[0]}) == 4
 
     def test_a_store_knows_the_sources_of_two_plugins_whose_classes_have_one_name(self, tmp_path):
         text = (CUSTOM / "effect.py").read_text(encoding="utf-8")
