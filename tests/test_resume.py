@@ -65,6 +65,7 @@ BAD = {
     "resume=run solver.n_gen=4,5": "solver.n_gen=4,5",
     "resume=run solver.n_gen=2": "solver.n_gen = 2",
     "resume=run report=none": "report = 'none'",
+    "resume=run study.laws=null": "study.laws = None",
     "hydra.run.dir=run sand=soft": "run: holds a run",
 }
 

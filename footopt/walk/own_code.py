@@ -75,7 +75,7 @@ def imported(there: Mapping[str, Any], path: str) -> Imported:
     known, spec = _IMPORTED.get(path), there.get("__spec__")
     if known is None or known.there is not there or known.spec is not spec:
         source = Path(path).read_bytes()
-        names = {name for one in _functions(there) for name in _names(one.__code__, "LOAD_GLOBAL")}
+        names = {name for one in _functions(there, there) for name in _names(one.__code__, "LOAD_GLOBAL")}
         data = {name: (there.get(name), _content(there.get(name))) for name in names}
         known = _IMPORTED[path] = Imported(there, spec, source, data)
     return known
@@ -91,12 +91,13 @@ def _content(one: Any) -> bytes:
     return b""
 
 
-def _functions(there: Mapping[str, Any]) -> Iterator[Any]:
-    """The functions and methods of a module, by its variables."""
-    for one in list(there.values()):
+def _functions(some: Mapping[str, Any], there: Mapping[str, Any]) -> Iterator[Any]:
+    """The functions and methods among some variables that are of a module, by its variables."""
+    for one in list(some.values()):
         for part in list(vars(one).values()) if isinstance(one, type) else [one]:
-            if inspect.isfunction(part) and part.__globals__ is there:
-                yield part
+            code = getattr(part, "fget", getattr(part, "__func__", part))  # of properties, class methods
+            if inspect.isfunction(code) and code.__globals__ is there:
+                yield code
 
 
 def source_of(thing: Any) -> bytes:
@@ -191,18 +192,18 @@ def fingerprint(own: Any, within: tuple[Any, ...] = ()) -> tuple[str, str]:
 def _read(function: Any) -> list[Any]:
     """What a function reads of its module: of a notebook all, of a file what a script may change in it.
 
-    That are the numbers, texts, tuples and arrays that it, and the functions there that it calls, read and
-    that none sets. Others, such as lists and dictionaries, often keep what has been computed: one counts as
-    it was when the file was imported, until the name stands for another one.
+    That are the numbers, texts, tuples and arrays that it, and the functions and classes there that it uses,
+    read and that none sets. Others, such as lists and dictionaries, often keep what has been computed: one
+    counts as it was when the file was imported, until the name stands for another one.
     """
     there = function.__globals__
     if "__file__" not in there:
         return [there.get(name) for name in _names(function.__code__, "LOAD_GLOBAL")]
-    kept = {name for one in _functions(there) for name in _names(one.__code__, "STORE_GLOBAL")}
+    kept = {name for one in _functions(there, there) for name in _names(one.__code__, "STORE_GLOBAL")}
     read, todo = dict[str, Any](), [function]
     while todo:
         new = {k: there.get(k) for k in _names(todo.pop().__code__, "LOAD_GLOBAL") if k not in read}
-        todo += [one for one in new.values() if inspect.isfunction(one) and one.__globals__ is there]
+        todo += _functions(new, there)
         read |= new
     known = _IMPORTED.get(function.__code__.co_filename)
     left = {} if known is None else known.data

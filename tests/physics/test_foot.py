@@ -14,6 +14,7 @@ import footopt as fo
 from footopt.errors import SettingError
 from footopt.foot import SHAPES, Soles, as_feet, as_plates
 from footopt.foot.plates import RULES
+from footopt.studies.simulate import flattened
 
 SPACE = fo.Waypoints()
 HEIGHTS = st.lists(st.integers(1, SPACE.K), min_size=SPACE.n, max_size=SPACE.n)
@@ -266,3 +267,12 @@ def test_feet_are_of_their_own_space_and_keep_their_own_contour():
         own.contour[0, 1] = 0.0
     with pytest.raises(ValueError, match="heel to toe"):
         fo.Foot(line[::-1])
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_a_shape_is_compared_with_a_flat_sole_of_its_own_length(shape):
+    foot = fo.Foot.shape(shape, 0.05, width=0.04)
+    level = flattened(foot)
+    assert (level.hollow, level.width) == (0.0, 0.04)
+    assert np.ptp(level.contour, axis=0) == pytest.approx([np.ptp(foot.contour[:, 0]), 0.0])
+    assert level.contour[:, 1].min() == foot.contour[:, 1].min()

@@ -76,7 +76,7 @@ def test_measures_of_plugins_are_compared_only_where_they_mean_the_same(runs):
         path = runs / name / "result.json"
         result = json.loads(path.read_text())
         result |= {"objective_names": ["score", "work"], "front_columns": ["score", "work"]}
-        result["front_values"] = [[1.0, 2.0], [2.0, 1.0]]
+        result["front_values"] = [[3.0, 2.0], [2.0, 1.0]] if maximise else [[1.0, 2.0], [2.0, 1.0]]
         result["objectives"]["score"] = 1.0
         result["units"] |= {"score": unit}
         result["maximise"] |= {"score": maximise}

@@ -29,3 +29,7 @@ def test_its_sinkage_is_that_of_the_deepest_point_of_a_sole():
     pose, (x, z) = walk.pose(np.arange(len(walk.t))), (walk.foot.contour - walk.foot.ankle).T
     under = pose.z[..., None] + np.sin(pose.pitch)[..., None] * x + np.cos(pose.pitch)[..., None] * z
     assert walk.totals["maximum_sinkage"] == pytest.approx(-(walk.com[:, 1, None, None] + under).min())
+
+
+def test_its_size_is_the_height_of_its_centre_of_mass_over_its_feet():
+    assert fo.mujoco.Robot().legs == pytest.approx(0.98, abs=0.02)  # m: legs of 0.92 m, and a torso

@@ -123,7 +123,8 @@ class TestPlugins:
             "import numpy as np\nfrom footopt.walk.objectives import measure\n"
             "TABLE, NAMES, PRICES = np.array([1.0, 2.0]), {'a', 'b', 'c', 'd'}, {'a': 1.0}\n"
             "@measure('foot', 's', '', maximise=False, worst=9.0)\n"
-            "def score(foot):\n    return TABLE.sum() * len(NAMES) * PRICES['a']\n"
+            "def score(foot):\n    return TABLE.sum() * len(NAMES) * Market().price\n"
+            "class Market:\n    price = property(lambda self: PRICES['a'])\n"
         )
         code = (
             "import footopt as fo, sys\nfrom footopt.studies.build import load_plugins\n"
