@@ -33,8 +33,6 @@ from footopt.walk.state import World
 #: Contacts in use by the address of their MjData: they keep alive all the memory that the callback reads.
 _KEPT: dict[int, Contact] = {}
 _LOCK = threading.Lock()
-#: Names of feet as MuJoCo reads them, and its own `set_mjcb_passive` while `_refuse` stands for it.
-_NAMES, _SET = dict[str, Any](), list[Any]()
 
 
 class Contact:
@@ -170,7 +168,7 @@ class Contact:
                 del _KEPT[self.data._address]
                 ATTACHED[ATTACHED[:, 0] == self.data._address, 0] = 0
                 if not _KEPT:
-                    _passive(None)
+                    needed("mujoco", "footopt.mujoco", "mujoco").set_mjcb_passive(None)
 
     def lift(self, weight: float) -> float:
         """How far to lift the robot, m, for sand to carry a weight, N, as its feet sink; NaN: it cannot."""
@@ -286,30 +284,16 @@ def _need_no_floor(model: Any, row: int, reach: float) -> None:
 
 def _keep(contact: Contact) -> None:
     """Have MuJoCo call the callback for the contact's data, while threads may use the rows of others."""
+    import mujoco
+
     address = contact.data._address
     with _LOCK:
         rows = np.flatnonzero(ATTACHED[:, 0] == address)
         free = rows if len(rows) else np.flatnonzero(ATTACHED[:, 0] == 0)
         check(len(free), "data", f"number {MOST + 1}", f"at most {MOST} at once", "Detach one.")
-        _passive(callback())
+        other, hint = mujoco.get_mjcb_passive(), "Detach the sand, or set None before."
+        check(other in (None, callback()), "mjcb_passive", other, "footopt's or None", hint)
+        mujoco.set_mjcb_passive(callback())
         _KEPT[address] = contact
-        name = _NAMES.setdefault(contact.names[0], ctypes.create_string_buffer(contact.names[0].encode()))
-        foot = ctypes.addressof(name), 1e6 * contact._bodies["reach"][0]
-        ATTACHED[free[0], 1:] = contact.addresses.ctypes.data, compiled()["passive"].address, *foot
+        ATTACHED[free[0], 1:] = contact.addresses.ctypes.data, compiled()["passive"].address
         ATTACHED[free[0], 0] = address
-
-
-def _passive(function: Any) -> None:
-    """Set MuJoCo's one passive callback, which no other replaces until it is None again."""
-    import mujoco
-
-    if mujoco.get_mjcb_passive() not in (None, callback()):
-        _refuse(mujoco.get_mjcb_passive())
-    _SET[:] = _SET or [mujoco.set_mjcb_passive]
-    _SET[0](function)
-    mujoco.set_mjcb_passive = _refuse if function else _SET.pop()
-
-
-def _refuse(function: Any) -> None:
-    """Stands for `mujoco.set_mjcb_passive` while feet are on sand."""
-    raise SettingError("mjcb_passive", function, "footopt's or None", "Detach the sand, or set None before.")

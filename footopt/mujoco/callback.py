@@ -12,16 +12,13 @@ from numba import carray, cfunc, types
 from footopt.effects.base import Laws
 from footopt.mujoco import implicit
 from footopt.mujoco import step as steps
-from footopt.mujoco.native import call, entry, functions, pointer
+from footopt.mujoco.native import call, entry, pointer
 from footopt.walk.own_code import fingerprint, own_code
 
 MOST = 256  # models on sand at once in one process
-#: A row for each attached model: addresses of its MjData, of its `Contact.addresses`, of its compiled step
-#: and of its first foot's name, which is never freed, and micrometres from that foot's origin to its
-#: farthest face.
-ATTACHED = np.zeros((MOST, 5), np.int64)
-#: Messages for a foot that falls through the sand, and for bristles that are reset after a jump in time.
-LOST = ctypes.create_string_buffer(b"footopt: a foot fell through: this MjData has no sand; attach it, too")
+#: A row for each attached model: addresses of its MjData, of its `Contact.addresses`, of its compiled step.
+ATTACHED = np.zeros((MOST, 3), np.int64)
+#: Message for bristles that are reset after a jump in time.
 FORGOT = ctypes.create_string_buffer(b"footopt: time or time step jumped: sand about the feet began anew")
 
 
@@ -89,27 +86,15 @@ def _with_effects(kinds: tuple[tuple[type[Any], ...], ...], values: bytes, own: 
 
 @lru_cache(maxsize=1)
 def callback() -> Any:
-    """The function that MuJoCo calls; where mjData is not `ATTACHED`, it stops feet that fall through."""
-    table_address, lost = ATTACHED.ctypes.data, ctypes.addressof(LOST)
-    row_of, place_of, stop, state_of = functions("mj_name2id", "mj_local2Global", "mju_error", "mj_getState")
+    """The function that MuJoCo calls; it does nothing where mjData is not `ATTACHED`."""
+    table_address = ATTACHED.ctypes.data
 
     @cfunc(types.void(types.intp, types.intp))
     def passive(model, data):
-        table = carray(pointer(table_address), (MOST, 5), np.int64)
+        table = carray(pointer(table_address), (MOST, 3), np.int64)
         for row in range(MOST):
             if table[row, 0] == data:
                 call(table[row, 2], (model, data, table[row, 1]))
                 return
-        place = np.zeros(3)
-        at = place.ctypes.data
-        call(state_of, (model, data, at, np.int32(1)))  # mjSTATE_TIME
-        if place[0] <= 0.0:  # as in the step by which MuJoCo tries a model that it compiles
-            return
-        for row in range(MOST):
-            body = call(row_of, (model, np.int32(1), table[row, 3])) if table[row, 0] else -1  # mjOBJ_BODY
-            if body > 0:
-                call(place_of, (data, at, 0, at, 0, body, np.uint8(1)))  # mjSAMEFRAME_BODY
-                if place[2] < -1e-6 * table[row, 4]:
-                    call(stop, (lost,))
 
     return passive.ctypes
