@@ -5,8 +5,7 @@ from __future__ import annotations
 import copy
 import hashlib
 import math
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from importlib.util import find_spec
@@ -74,21 +73,6 @@ class Model:
         made = cls(hashlib.sha256(content.tobytes()).hexdigest(), model, tuple(feet), mujoco.__version__)
         _ = made.height_address  # raises if no joint lets it sink
         return made
-
-    @contextmanager
-    def data(self, dt: float) -> Iterator[tuple[Any, Any]]:
-        """The model with a time step, and an MjData, reused as making one takes a twentieth of a walk."""
-        import mujoco
-
-        model, unused = with_step(self, dt)
-        try:
-            data = unused.pop()
-        except IndexError:
-            data = mujoco.MjData(model)
-        try:
-            yield model, data
-        finally:
-            unused.append(data)
 
     def wearing(self, foot: Foot, density: float) -> Model:
         """A copy whose feet have the mass and inertia of a sole with its flat top, by a density, kg/m^3."""
@@ -179,11 +163,11 @@ def moments(foot: Foot) -> tuple[float, tuple[float, float], tuple[float, float,
 
 
 @lru_cache(maxsize=16)
-def with_step(model: Model, dt: float) -> tuple[Any, list[Any]]:
-    """A copy with a time step, and a list of MjData of it that are not in use."""
+def with_step(model: Model, dt: float) -> Any:
+    """A compiled copy of a model with a time step."""
     found = copy.copy(model.compiled)
     found.opt.timestep = dt
-    return found, []
+    return found
 
 
 def _spec(mujoco: Any, source: Any) -> Any:

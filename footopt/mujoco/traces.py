@@ -95,7 +95,7 @@ def poses(robot: Any, dt: float, states: Array) -> tuple[Array, Array]:
     """Places of the bodies of each leg, and the feet's pitch, after each step."""
     import mujoco
 
-    (model, _), chains = with_step(robot.model, dt), robot.model.chains()
+    model, chains = with_step(robot.model, dt), robot.model.chains()
     data, long = mujoco.MjData(model), max(map(len, chains))
     joints = np.empty((len(states), len(chains), long, 2))
     turned = np.empty((len(states), len(chains)))

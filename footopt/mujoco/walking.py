@@ -17,7 +17,7 @@ from footopt.foot import Foot
 from footopt.mujoco.attaching import Contact
 from footopt.mujoco.controllers import Tracker
 from footopt.mujoco.joints import RK4, at_joints
-from footopt.mujoco.model import Model
+from footopt.mujoco.model import Model, with_step
 from footopt.mujoco.native import library
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.objectives import FIVE
@@ -69,27 +69,30 @@ def quiet() -> Iterator[None]:
 
 def walk(robot: Any, foot: Foot | None, accuracy: Accuracy, end: float, traced: bool = False) -> Outcome:
     """Walk with a foot until `end`, s; with None in the air."""
+    import mujoco
+
     steps, model = max(1, math.ceil(end / accuracy.dt - 1e-9)), robot.model
     if foot and robot.density is not None:
         model = model.wearing(foot, robot.density)
     t, height = end / steps * np.arange(steps + 1, dtype=np.float64), robot.model.height_address
     weight = model.mass * robot.g
-    with model.data(t[1]) as (own, data):
-        posed(robot, own, data)
-        if foot is None:
-            data.qpos[height] += HIGH
-            states, sensed = stepped(robot, own, data, t)
-            counts, sand = {"evaluations": 0, "failures": 0}, np.zeros((steps, len(robot.feet), 6))
-            return outcome(robot, t, sensed, sand, states, counts)
-        soles, plates = soles_of(robot, foot), 2 * accuracy.plates
-        contact = Contact(own, data, soles, robot.sand, robot.effects, plates, steps + 1, traced)
-        try:
-            data.qpos[height] += contact.lift(weight)
-            allowed = "one that carries the robot"
-            check(math.isfinite(data.qpos[height]), "sand.zeta", robot.sand.zeta, allowed, "Or wider feet.")
-            states, sensed = stepped(robot, own, data, t)
-        finally:
-            contact.detach()
+    own = with_step(model, t[1])
+    data = mujoco.MjData(own)
+    posed(robot, own, data)
+    if foot is None:
+        data.qpos[height] += HIGH
+        states, sensed = stepped(robot, own, data, t)
+        counts, sand = {"evaluations": 0, "failures": 0}, np.zeros((steps, len(robot.feet), 6))
+        return outcome(robot, t, sensed, sand, states, counts)
+    soles, plates = soles_of(robot, foot), 2 * accuracy.plates
+    contact = Contact(own, data, soles, robot.sand, robot.effects, plates, steps + 1, traced)
+    try:
+        data.qpos[height] += contact.lift(weight)
+        allowed = "one that carries the robot"
+        check(math.isfinite(data.qpos[height]), "sand.zeta", robot.sand.zeta, allowed, "Or wider feet.")
+        states, sensed = stepped(robot, own, data, t)
+    finally:
+        contact.detach()
     found = outcome(robot, t, sensed, contact.trace[:steps], states, contact.counts)
     bristles = np.stack([contact.bristles(name)[:steps] for name in soles], axis=1)
     return found._replace(bristles=bristles, totals=found.totals | {"weight": weight})
