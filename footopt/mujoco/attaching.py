@@ -26,7 +26,6 @@ from footopt.sand import Sand
 from footopt.sand.law import EARTH
 from footopt.walk.accuracy import Accuracy
 from footopt.walk.discretize import with_bypassed_gates
-from footopt.walk.loop import MOST_BYTES
 from footopt.walk.scene import Scene
 from footopt.walk.state import World
 
@@ -134,9 +133,6 @@ class Contact:
             "moment": (1, 3), "spent": (2, len(feet)), "drift": (DRIFT, model.nv), "gained": (1, model.nv),
             "bristles": (3, 3 * first), "vectors": (6, n),
         }  # fmt: skip
-        room = 24.0 * traced * remembers * first
-        allowed = "long enough that the traced memory of the sand fits into 4 GB"
-        check(room <= MOST_BYTES, "accuracy.dt", float(model.opt.timestep), allowed, "Try accuracy=fine.")
         scratch = {
             "frame": (len(feet), 9), "history": (traced * remembers, 3 * first), "factor": (1, data.M.size),
             "answers": (model.nv, n), "mobility": (n, n), "stiffness": (n, 6),

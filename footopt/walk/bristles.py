@@ -56,9 +56,8 @@ def next_step(bristles):
 
 
 @unless_none
-def record(trace, row, rows, e):
-    """Write bristles at `row` of `rows` into a trace that may have fewer rows: the last of several stays."""
-    row = row * len(trace) // rows
+def record(trace, row, e):
+    """Write bristles into a row of a trace."""
     for foot in range(2):  # loops: numba takes 20 s to compile an assignment of arrays
         for i in range(e.shape[2]):
             trace[row, foot, 0, i], trace[row, foot, 1, i] = e[foot, 0, i], e[foot, 1, i]

@@ -36,7 +36,6 @@ OK, SUNK, BACKWARD, DIVERGED = range(4)
 REASONS = ("", "sunk", "backward", "diverged")  # why a walk failed
 
 MAX_REPEATS = 3  # of a walk that diverged, each with a quarter of the previous time step
-MOST_BYTES = 4e9  # of the bristles of a traced walk; of a longer walk fewer samples are kept
 BLOCK = 16  # designs that a thread takes at a time
 
 
@@ -62,7 +61,7 @@ class Output(NamedTuple):
     status: Any  # (designs,)
     counts: Any  # (designs,) of `COUNTS`
     trace: Array  # (shortest steps + 1, `metrics.COLUMNS`); without rows, nothing is traced
-    bristles: Any  # (rows, 2 feet, 2, plates), of as many rows as there is room for, or None
+    bristles: Any  # (rows of the trace, 2 feet, 2, plates), or None
 
 
 def walk_designs(method, soles, world, course, out, begin, end):
@@ -143,7 +142,7 @@ def _trace(out, row, t, state):
     """Write a state into a row of the traces, where there are any."""
     if len(out.trace) > 0:
         write(out.trace[row], sample_of(t, state))
-        record(out.bristles, row, len(out.trace), state.bristles.e_n)
+        record(out.bristles, row, state.bristles.e_n)
 
 
 def at_once(given: int | None = None, setting: str = "engine.threads") -> int:
@@ -176,13 +175,12 @@ def walk_batch(
     # always as many tables: the loop would be compiled again for another number of them
     tables += tables[:1] * (discretize.HALVINGS - finest)
     course = Course(times, pose0, tables, finest, control, path.gait.heel_strike, sink)
-    kept = 0 if world.bristle_length is None else min(rows, max(1, int(MOST_BYTES / (16 * padded))))
     out = Output(
         raw=np.empty((designs, len(RAW))),
         status=np.empty(designs, np.int64),
         counts=np.zeros(designs, COUNTS),
         trace=np.full((rows, COLUMNS), np.nan),
-        bristles=None if world.bristle_length is None else np.zeros((kept, 2, 2, padded), np.float32),
+        bristles=None if world.bristle_length is None else np.zeros((rows, 2, 2, padded), np.float32),
     )
     walk = compiled_for(walk_designs, constants.effects.all, stepper)
 

@@ -129,8 +129,8 @@ class Walk:
         Negative where the sand takes energy.
     start : (2,), m
         Hip at t = 0.
-    bristles : (R, 2 feet, N, 2), optional
-        Memory of the sand under each plate (`footopt.walk.bristles`): of a long walk, of fewer samples.
+    bristles : (T, 2 feet, N, 2), optional
+        Memory of the sand under each plate (`footopt.walk.bristles`).
     reason : str
         "" or why the walk failed (then the traces end there).
     totals : dict
@@ -139,8 +139,6 @@ class Walk:
         Of the contact.
     counts : dict of str to int
         See `Table`.
-    remembered : (T,), optional
-        Of each sample the one in `bristles`, where these are fewer.
     """
 
     foot: Foot
@@ -158,7 +156,6 @@ class Walk:
     totals: dict[str, float]
     evaluations: int
     counts: Mapping[str, int] = field(default_factory=dict)
-    remembered: Ints | None = None
 
     def __repr__(self) -> str:
         title = f"<Walk of {self.foot.name} on {self.scene.title}"
@@ -236,8 +233,7 @@ class Walk:
     def plates(self, index: ArrayLike) -> PlateStates:
         """Every plate's place, motion and force at some samples, by the walk's own law."""
         i = np.atleast_1d(index)
-        rows = i if self.remembered is None else self.remembered[i]
-        bristles = None if self.bristles is None else self.bristles[rows].astype(np.float64)
+        bristles = None if self.bristles is None else self.bristles[i].astype(np.float64)
         constants = self.world.constants(self.accuracy)
         state = self.sole, self.pose(i), self.com[i], self.velocity[i], constants, self.transition_speed
         return plate_states(*state, bristles=bristles)

@@ -244,8 +244,6 @@ class Scene(Simulator):
         constants = self.constants(accuracy)
         walked = walk_batch(plates, self.path, constants, accuracy, sink=True, threads=1, traced=True)
         rows, h = 1 + np.flatnonzero(np.isfinite(walked.trace[1:]).all(axis=1)), walked.bristles
-        shared = rows * len(h) // len(walked.trace) if h is not None else rows
-        kept, which = np.unique(shared, return_inverse=True)
         parts = np.split(walked.trace[rows], PARTS, axis=1)
         t, com, velocity, force, power, work = map(np.ascontiguousarray, parts)
         return Walk(
@@ -258,8 +256,7 @@ class Scene(Simulator):
             force=force.reshape(-1, 2, 2),
             power=power,
             work=work,
-            bristles=None if h is None else np.moveaxis(h[kept][..., : plates.x.shape[1]], 2, 3),
-            remembered=which if len(kept) < len(rows) else None,
+            bristles=None if h is None else np.moveaxis(h[rows][..., : plates.x.shape[1]], 2, 3),
             start=walked.trace[0, 1:3],
             reason=REASONS[int(walked.status[0])],
             totals=dict(zip(RAW, map(float, walked.raw[0]), strict=True)),
