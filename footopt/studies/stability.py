@@ -25,7 +25,7 @@ from footopt.walk.accuracy import AnyAccuracy
 from footopt.walk.checks import energy_gap, power_from_sand, sinking_speed, smoothing_power
 from footopt.walk.ladder import numerics
 from footopt.walk.objectives import sizes
-from footopt.walk.resolution import BEYOND, CAUSES, PROMISE, finer
+from footopt.walk.resolution import BEYOND, PROMISE
 
 #: Of the time step, for explicit steppers, which evaluate no Jacobian and solve nothing: Euler then has the
 #: effort of SDIRK2 (two stages of 1-2 evaluations, with derivatives), Heun twice and RK4 four times as much.
@@ -176,7 +176,7 @@ def find_truth(
         scene, limit = replace(scene, effects=tuple(shorter)), LIMITS["place"]
         given = {"control": None, "creep": accuracy.creep, **given}
     walked = cache(lambda one: replace(simulate(foot, scene, one), bristles=None))  # they take memory
-    now, stood, changes = replace(accuracy.refined(), **given), 0, dict.fromkeys(CAUSES, math.inf)
+    now, stood, changes = replace(accuracy.refined(), **given), 0, dict.fromkeys(finer(accuracy), math.inf)
     while True:
         truth, ways = walked(now), {}
         for cause, one in finer(now).items() if truth.evaluations * now.plates < MOST_WORK else ():
@@ -189,6 +189,16 @@ def find_truth(
         if not ways or stood == TWICE:
             return truth, stands
         now = ways[max(ways)]
+
+
+def finer(accuracy: Accuracy) -> dict[str, Accuracy]:
+    """An accuracy with its time step, its plates or its creep speed refined."""
+    fine = accuracy.refined()
+    return {
+        "dt": replace(accuracy, dt=fine.dt, control=fine.control, name="refined"),
+        "plates": replace(accuracy, plates=fine.plates, name="refined"),
+        "creep": replace(accuracy, creep=fine.creep, name="refined"),
+    }
 
 
 def stands_still(scene: Scene) -> bool:

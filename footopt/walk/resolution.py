@@ -2,12 +2,11 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from footopt.foot import Foot
-from footopt.walk.accuracy import Accuracy, AnyAccuracy
+from footopt.walk.accuracy import AnyAccuracy
 from footopt.walk.checks import Diagnostic
 from footopt.walk.objectives import FIVE, sizes
 from footopt.walk.results import Walk
@@ -18,26 +17,7 @@ from footopt.walk.simulator import Simulator
 BEYOND = 10.0
 PROMISE = 0.005  # relative, of an accuracy without a name: that of `standard`
 
-#: Causes of an error, by the setting to change.
-CAUSES = {
-    "accuracy.dt": "the time step makes most of it; try accuracy=fine, or a smaller accuracy.dt",
-    "accuracy.plates": "the plates make most of it; try accuracy=fine, or more accuracy.plates",
-    "accuracy.creep": "the creep speed makes most of it; try accuracy=fine, or a smaller accuracy.creep",
-}
-
-
-def finer(accuracy: Accuracy) -> dict[str, Accuracy]:
-    """An accuracy with one cause of errors refined, by the cause's setting.
-
-    Half the time step (under control: an eighth of the error that a step may have), twice the plates, or
-    half the creep speed.
-    """
-    fine = accuracy.refined()
-    return {
-        "accuracy.dt": replace(accuracy, dt=fine.dt, control=fine.control, name="refined"),
-        "accuracy.plates": replace(accuracy, plates=fine.plates, name="refined"),
-        "accuracy.creep": replace(accuracy, creep=fine.creep, name="refined"),
-    }
+WHY = "try accuracy=fine, or a smaller accuracy.dt or accuracy.creep, or more accuracy.plates"
 
 
 def estimate_error(
@@ -67,8 +47,7 @@ def error_of(walk: Walk, names: Sequence[str] | None = None) -> dict[str, float]
 def resolution(walk: Walk, errors: Mapping[str, float]) -> list[Diagnostic]:
     """Whether a walk's worst error estimate is far above what its accuracy promises; empty if it is not.
 
-    Where one of its `errors`, from `estimate_error`, is above `BEYOND` times the promise, a walk for each
-    cause finds out what causes it. A walk that failed has none.
+    The `errors` are from `estimate_error`. A walk that failed has none.
     """
     if not walk.feasible:
         return []
@@ -86,16 +65,8 @@ def resolution(walk: Walk, errors: Mapping[str, float]) -> list[Diagnostic]:
     worst = max(shares, key=lambda name: shares[name])
     if shares[worst] <= limit:
         return []
-    changes = {
-        cause: abs(simulate(walk.foot, walk.scene, one).objectives[worst] - values[worst])
-        for cause, one in finer(walk.accuracy).items()
-        if not walk.scene.too_long(one)
-    }
-    if not changes:
-        return []
-    why = CAUSES[max(changes, key=lambda cause: changes[cause])]
     name = f"estimated error of {worst.replace('_', ' ')}"
-    return [Diagnostic(name, 100.0 * shares[worst], "%", 100.0 * limit, why)]
+    return [Diagnostic(name, 100.0 * shares[worst], "%", 100.0 * limit, WHY)]
 
 
 def _outcome(walk: Walk, limit: float) -> list[Diagnostic]:
