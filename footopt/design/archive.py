@@ -12,7 +12,7 @@ import numpy as np
 
 from footopt.arrays import Array, Ints, Words
 from footopt.design.executor import Workers, walk
-from footopt.design.fronts import Volume, extended
+from footopt.design.fronts import Volume, nondominated
 from footopt.design.problem import FootProblem, Known
 from footopt.design.result import Generation, SearchResult
 from footopt.design.solvers import Solver
@@ -179,4 +179,5 @@ class Archive:
         new = count + np.flatnonzero((self._g[count:] <= 0.0).all(axis=1))
         if not len(new):
             return front
-        return np.concatenate([front, new])[extended(self._f[front], self._f[new])]
+        both = np.concatenate([front, new])
+        return both[nondominated(self._f[both])]

@@ -54,21 +54,6 @@ def nondominated(F: Array) -> Bools:
     return np.asarray(is_nondominated(np.ascontiguousarray(F, float), keep_weakly=True))
 
 
-def extended(front: Array, new: Array) -> Bools:
-    """Which designs of a front, none of which dominates another, and of new ones no other dominates.
-
-    Of many objectives in a fraction of the time that `nondominated` takes for all of them.
-    """
-    if new.shape[1] <= 3 or not len(new):  # there that is as fast as sorting
-        return nondominated(np.concatenate([front, new]))
-    no_worse, no_better = np.ones((2, len(new), len(front)), bool)  # a new design than one of the front
-    for old, others in zip(np.ascontiguousarray(front.T), new.T[:, :, None], strict=True):
-        no_worse &= others <= old
-        no_better &= others >= old
-    beaten = (no_better & ~no_worse).any(axis=1)
-    return np.concatenate([~(no_worse & ~no_better).any(axis=0), nondominated(new) & ~beaten])
-
-
 def ranks(F: Array) -> Ints:
     """Place of each design by each objective, (designs, objectives)."""
     return F.T.argsort(kind="stable").argsort(kind="stable").T

@@ -9,7 +9,7 @@ from pymoo.core.population import Population
 from scipy.linalg.lapack import dposv
 
 from footopt.arrays import Array, Ints
-from footopt.design.fronts import extended, ranks
+from footopt.design.fronts import nondominated, ranks
 
 TRAINED = 300  # designs that a model knows at most: half of them the newest, the others the best
 WIDTH, SMOOTHING = 0.7, 1e-3  # one over the Gaussians' length, in the range of heights; added to their matrix
@@ -46,8 +46,7 @@ class Pool(NamedTuple):
         """A front and what others add to it, and how many; without a feasible design, of least violation."""
         every = self.joined(new)
         rows = np.flatnonzero(every.violation <= max(every.violation.min(), 0.0))
-        old, F = np.count_nonzero(rows < len(self.X)), every.F[rows]
-        kept = rows[extended(F[:old], F[old:])]
+        kept = rows[nondominated(every.F[rows])]
         return every.take(kept), int((kept >= len(self.X)).sum())
 
 
