@@ -17,17 +17,16 @@ from footopt.arrays import Array, Ints
 from footopt.design.archive import Evaluator
 from footopt.design.problem import FootProblem
 from footopt.design.result import Confirmation, SearchResult
-from footopt.design.robust import Race, regret
-from footopt.design.scenarios import Scenario, Spread, possible_laws, scale_zeta
+from footopt.design.robust import Race
+from footopt.design.scenarios import Scenario, Spread, possible_laws
 from footopt.design.search import search
 from footopt.design.solvers import Solver
 from footopt.design.store import Store
 from footopt.errors import FootoptError
-from footopt.walk.accuracy import PRESETS, Accuracy, AnyAccuracy, Tolerance
+from footopt.walk.accuracy import PRESETS, AnyAccuracy, Tolerance
 from footopt.walk.ladder import numerics
 from footopt.walk.objectives import MEASURES, relative_change
 from footopt.walk.simulate import evaluate
-from footopt.walk.simulator import Simulator
 
 FIRST = 10  # soles that a search begins with
 TIMES = 2  # budget of the search under all laws together, over that of the search under each
@@ -35,7 +34,6 @@ LAST = 5  # best soles of the search under all laws that are evaluated again
 EVEN = 30  # designs in a generation, or an eighth of a small budget: such a search begins near its end
 NOTHING = 1e-9  # of the largest value: a smaller best value counts as 0, as that of `hollow` may be
 LEAST = 20  # evaluations of a search under a law
-REACH, STEPS = 32.0, 20  # largest factor of zeta, up and down, at which two feet are compared; steps to it
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,48 +186,3 @@ def drafted(accuracy: AnyAccuracy) -> AnyAccuracy:
     """An accuracy, but no finer than `draft`, for what only ranks feet."""
     draft = PRESETS["draft"]
     return draft if isinstance(accuracy, Tolerance) and accuracy.error < draft.error else accuracy
-
-
-def better_zetas(problem: FootProblem, foot: Ints, flat: Ints) -> tuple[float | None, float | None] | None:
-    """Between which zetas a foot (n,) is better than the flat sole (n,), by its own law otherwise.
-
-    An end is None where it still is with `REACH` times less or more than the scene's own zeta; there are
-    none where it is no better on the scene's own sand.
-    """
-    scene: Any = problem.scene
-    name = problem.ranking_objective
-
-    def at(step: int) -> Simulator:
-        """The scene a number of steps from its own zeta."""
-        return scale_zeta(scene, REACH ** (step / STEPS))
-
-    def lead(step: int, numbers: Accuracy) -> float:
-        """By how much the foot is better there."""
-        soles = np.stack([foot, flat])
-        table = evaluate(soles, at(step), numbers, (name,), problem.space, problem.threads)
-        ours, flat_one = table.values
-        known = table.feasible.all() and np.isfinite(table.values).all()
-        return -float(regret(ours, flat_one, name)[0]) if known else -math.inf
-
-    def numbers_at(step: int) -> Accuracy:
-        return numerics(drafted(problem.accuracy), at(step), problem.space)
-
-    def leads(direction: int, numbers: Accuracy) -> list[float]:
-        """Those in one direction, up to the first step without one."""
-        found = [lead(0, numbers)]
-        while found[-1] > 0.0 and len(found) <= STEPS:
-            found.append(lead(direction * len(found), numbers))
-        return found
-
-    def turn(direction: int) -> float | None:
-        """The zeta where the lead is 0, interpolated between the last step with a lead and the next one."""
-        there = direction * (len(leads(direction, own)) - 1)
-        found = leads(direction, numbers_at(there))  # other sand takes other numbers
-        if found[-1] > 0.0:
-            return None
-        before, after = found[-2:] if len(found) > 1 else (0.0, -1.0)  # by these numbers it may have none
-        share = max(len(found) - 2, 0) + before / (before - after)
-        return float(scene.sand.zeta * REACH ** (direction * share / STEPS))
-
-    own = numbers_at(0)
-    return (turn(-1), turn(1)) if lead(0, own) > 0.0 else None

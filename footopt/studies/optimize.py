@@ -22,7 +22,6 @@ from footopt.design import (
 )
 from footopt.design.certificate import Certificate, certified
 from footopt.design.fronts import excess
-from footopt.design.to_print import REACH, better_zetas
 from footopt.errors import check
 from footopt.files import io as files
 from footopt.files.feet import write_all
@@ -45,7 +44,7 @@ class Findings(NamedTuple):
 
     entry: dict[str, Any]  # in result.json
     ranges: dict[str, list[float]]  # of the best foot's changes from the flat one under the others, by name
-    rank: str  # under how many laws, and at which zetas, it is better than the flat one; ends with a space
+    rank: str  # under how many laws it is better than the flat one; ends with a space
     to_print: Foot | None = None  # the foot that loses least under the worst law
     printed: tuple[str, ...] = ()  # that foot in two lines; in one if it is the best one
     beaten: bool = False  # whether that foot is better than the best one by the run's own law
@@ -108,9 +107,9 @@ def run(study: Study) -> Any:
 
 def _under_laws(study: Study, result: SearchResult, confirmed: Confirmation) -> Findings:
     """Evaluate the best foot, soles that should lose little under every law, and the flat one under each."""
-    problem, options, rank, zetas = result.problem, study.options, "", None
+    problem, options, rank = result.problem, study.options, ""
     if not (study.wants_report and options.confirm):
-        return Findings({"laws": [], "better_than_flat_zeta": None}, {}, rank)
+        return Findings({"laws": []}, {}, rank)
     share = None if result.interrupted else options.laws
     if share is not None and problem.n_obj == 1:
         study.say("Searching the foot to print, which loses least under the worst law")
@@ -118,12 +117,11 @@ def _under_laws(study: Study, result: SearchResult, confirmed: Confirmation) -> 
     with study.executor() as executor, study.compiling("a walk for each law"):
         under = under_laws(result, confirmed, study.config.sand.spread, share, store, executor)
     if len(under.laws) > 1 and problem.n_obj == 1:
-        zetas = better_zetas(problem, under.k[0], under.k[-1])
         count = sum(int(losses[0] < losses[-1]) for losses in under.losses)
-        rank = f"Beats flat under {count} of {len(under.laws)} laws{_at(zetas, problem.scene)}. "
+        rank = f"Beats flat under {count} of {len(under.laws)} laws. "
     laws = under.entry(0)
     ranges = {name: [law["change"][name] for law in laws[1:]] for name in problem.record}
-    found = Findings({"laws": laws, "better_than_flat_zeta": zetas}, ranges, rank)
+    found = Findings({"laws": laws}, ranges, rank)
     chosen = None if options.laws is None else under.steadiest
     if chosen is None:
         return found
@@ -143,19 +141,6 @@ def _under_laws(study: Study, result: SearchResult, confirmed: Confirmation) -> 
     lines = (f"To print, chosen for all {len(laws)} laws: {terminal.describe_foot(foot)}", told)
     beaten = bool(under.losses[0][chosen] < under.losses[0][0])
     return found._replace(entry=entry, to_print=foot, printed=lines, beaten=beaten)
-
-
-def _at(zetas: tuple[float | None, float | None] | None, scene: Any) -> str:
-    """On which sand the best foot is better than the flat one by the scene's own law; "" if it is not."""
-    if zetas is None:
-        return ""
-    ends = *zetas, scene.sand.zeta / REACH, scene.sand.zeta * REACH
-    low, high, least, most = (end and number(float(f"{end:.2g}")) for end in ends)
-    if low and high:
-        return f", for zeta {low} to {high}"
-    if low or high:
-        return f", for zeta >= {low}" if low else f", for zeta <= {high}"
-    return f", for every zeta from {least} to {most}"
 
 
 def _tell(

@@ -9,9 +9,8 @@ from footopt.design import robust
 from footopt.design.archive import Evaluator
 from footopt.design.robust import Race, RobustProblem
 from footopt.design.scenarios import possible_laws
-from footopt.design.to_print import better_zetas, candidates, compare, drafted
+from footopt.design.to_print import candidates, compare, drafted
 from footopt.walk.accuracy import PRESETS
-from footopt.walk.objectives import OBJECTIVES, Objective
 
 LAWS = possible_laws(fo.Scene(), 0.3)
 FLAT = np.full(SMALL.n, SMALL.K)
@@ -119,27 +118,3 @@ def test_candidates_are_kept_in_a_store_and_the_same_when_read_from_it(tmp_path)
     first, again = (candidates(result, LAWS[:3], 0.5, store=tmp_path / "s.sqlite") for _ in range(2))
     np.testing.assert_array_equal(first, again)
     np.testing.assert_array_equal(first, candidates(result, LAWS[:3], 0.5))
-
-
-def test_the_zeta_from_which_a_foot_is_better_than_the_flat_one_is_where_both_are_equal():
-    problem = fo.FootProblem(fo.Scene(sand=fo.Sand(5.0)), "efficiency")
-    foot, flat = np.array([2, 6, 6, 3, 1, 1, 2, 1, 3, 5, 1]), np.full(11, 10)
-    low, high = better_zetas(problem, foot, flat)
-    for zeta, better in ((0.9 * low, False), (1.1 * low, True), (0.9 * high, True), (1.1 * high, False)):
-        values = fo.evaluate([foot, flat], fo.Scene(sand=fo.Sand(zeta)), objectives=("efficiency",)).values[
-            :, 0
-        ]
-        assert (values[0] < values[1]) == better
-    assert better_zetas(problem, flat, foot) is None
-
-
-def test_a_foot_leads_nowhere_where_it_has_no_value(monkeypatch):
-    def on_hard_sand(raw, scene):
-        return raw["work"] if scene.sand.zeta > 2.0 else raw["work"] * np.nan
-
-    own = Objective("own", "o", "J", maximise=False, worst=1e6, value=on_hard_sand)
-    monkeypatch.setitem(OBJECTIVES, "own", own)
-    problem = fo.FootProblem(fo.Scene(sand=fo.Sand(5.0)), "own", accuracy="draft")
-    foot, flat = np.full(11, 10), np.array([2, 6, 6, 3, 1, 1, 2, 1, 3, 5, 1])
-    low, _ = better_zetas(problem, foot, flat)
-    assert 1.0 < low < 5.0
