@@ -148,16 +148,6 @@ class TestWalks:
         assert np.quantile(error, 0.99) < NEWTON
         assert error.max() < 1.5 / all_walk.accuracy.plates
 
-    @pytest.mark.slow
-    def test_a_design_does_not_depend_on_batch_place_or_threads(self, regular):
-        scene, k = replace(regular, effects=ALL), fo.Waypoints().random(40, seed=2, inside=True)
-        one = fo.evaluate(k, scene, threads=1)
-        assert one.feasible.sum() > 20
-        np.testing.assert_array_equal(fo.evaluate(k, scene, threads=3).raw, one.raw)
-        order = np.random.default_rng(0).permutation(len(k))
-        np.testing.assert_array_equal(fo.evaluate(k[order], scene).raw, one.raw[order])
-        np.testing.assert_array_equal(fo.evaluate(k[17], scene).raw[0], one.raw[17])
-
 
 HARD = ("standing on zeta 5", "a foot set down at 3 m/s", "spiky soles", "creep 1e-9 on zeta 50",
         "a step ten times larger", "sinking to the hip")  # fmt: skip

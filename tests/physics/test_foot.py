@@ -44,13 +44,6 @@ class TestWaypoints:
         np.testing.assert_allclose(space.x, np.linspace(-0.1, 0.1, n), rtol=0, atol=1e-15)
 
     @given(HEIGHTS)
-    def test_the_sole_passes_exactly_through_them(self, k):
-        contour = SPACE.contour(k)[0]
-        at = contour[:: (len(contour) - 1) // (SPACE.n - 1)]
-        np.testing.assert_array_equal(at[:, 0], SPACE.x)
-        np.testing.assert_allclose(at[:, 1], SPACE.heights(k)[0], rtol=0, atol=1e-16)
-
-    @given(HEIGHTS)
     def test_the_sole_is_the_not_a_knot_cubic_spline(self, k):
         x, z = SPACE.contour(k)[0].T
         np.testing.assert_allclose(z, reference_spline(SPACE, k)(x), rtol=0, atol=1e-15)

@@ -122,21 +122,6 @@ def test_the_walk_file_holds_what_was_traced(walked, tmp_path):
             assert file.variables[name].dimensions == dimensions
 
 
-@pytest.mark.parametrize("kind", ["one", "several"])
-def test_the_frame_of_a_search_is_designs_csv(searches, tmp_path, kind):
-    import pandas
-
-    result = searches[kind]
-    files.write_csv(tmp_path / "designs.csv", result.columns)
-    read = pandas.read_csv(tmp_path / "designs.csv", keep_default_na=False, na_values={"distance": ""})
-    frame = result.to_frame()
-    assert list(frame.columns) == list(read.columns)
-    assert frame["on_front"].sum() == len(result.front)
-    for name in ("generation", "k3", "work", "feasible", "reason"):
-        np.testing.assert_array_equal(frame[name].astype(read[name].dtype), read[name])
-    assert frame.attrs["units"]["work"] == "J"
-
-
 def test_the_frame_of_a_walk_is_its_traces():
     walk = fo.simulate(fo.Foot.flat(), fo.Scene(), "draft")
     frame, traces = walk.to_frame(), [walk.com, walk.velocity, walk.force, walk.power, walk.work]

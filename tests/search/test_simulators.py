@@ -52,13 +52,6 @@ class TestEverySimulator:
         assert rest.reused == part.designs
         np.testing.assert_array_equal(rest.values, whole.values)
 
-    def test_is_pymoos_problem(self, simulator):
-        out = fo.FootProblem(simulator, ["distance", "work"], SPACE, COARSE).evaluate(
-            np.array(SOLES), return_as_dictionary=True
-        )
-        table = fo.evaluate(SOLES, simulator, COARSE, ("distance", "work"), SPACE)
-        np.testing.assert_array_equal(out["F"], table.values * [-1.0, 1.0])
-
     def test_another_simulator_is_another_problem_to_a_store(self, simulator, tmp_path):
         path = tmp_path / "designs.sqlite"
         fo.search(fo.FootProblem(simulator, space=SPACE, accuracy=COARSE), "ga", walks=8, store=path)

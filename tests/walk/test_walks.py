@@ -1,6 +1,5 @@
 """Whole walks: an independent program, balances, orders, symmetries, and bit for bit the same again."""
 
-import math
 from dataclasses import replace
 
 import every_effect
@@ -207,12 +206,3 @@ class TestReproducibility:
             assert sum(walker.stats.cache_hits.values()) == loads
         own_code._compiled.cache_clear()
         np.testing.assert_array_equal(*found)
-
-
-class TestStandingStill:
-    def test_an_explicit_step_comes_to_rest_where_smoothing_outlasts_it(self, ramp_foot):
-        """dt < 2 eps / g, beyond which smoothing no longer helps."""
-        scene = fo.Scene(gait=fo.Gait.human(start=math.inf), t_f=1.0)
-        walk = fo.simulate(ramp_foot, scene, fo.Accuracy("explicit_euler", 1e-5, 40, 1e-4))
-        assert walk.feasible
-        assert walk.force.sum(axis=1)[walk.t > 0.5, 1].std() < 1e-2 * scene.walker.weight
