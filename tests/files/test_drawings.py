@@ -95,12 +95,13 @@ def autocad_12():
 
 
 def librecad():
+    """Blocks are flattened with a scale of 0 along z."""
     made, space = document("R2007")
     block = made.blocks.new("foot")
     pieces(block, 1.0, layer="0")
     made.layers.add("Sohle").off()
     space.add_blockref("foot", (3, 4), {"layer": "Kontur", "xscale": -1, "yscale": -1, "rotation": 180})
-    return text_of(made)
+    return text_of(made).replace("41\n-1.0", "43\n0.0\n 41\n-1.0")
 
 
 def rhino():
