@@ -181,24 +181,14 @@ def compared(runs: Sequence[Row]) -> tuple[list[dict[str, Any]], Array]:
     known = dict.fromkeys((*sought, *(name for r in results for name in r["objectives"])))
     having = {n: [r for r in results if n in r["objectives"] and n in r.get("units", {})] for n in known}
     names = [name for name, those in having.items() if len(those) >= max(0.5 * len(results), 1)]
-    meant = {n: [(r["units"][n], r["maximise"][n]) for r in having[n]] for n in names}
-    columns = [column(name, *meant[name][0]) for name in names]
-    values = np.array([[_of(run, c) for c in columns] for run in runs], float)
+    first = {name: having[name][0] for name in names}
+    columns = [column(name, r["units"][name], r["maximise"][name]) for name, r in first.items()]
+    values = np.array([[run.objectives.get(name, math.nan) for name in names] for run in runs], float)
     flat = [run.flat for run in runs]
     if "efficiency" in names and np.isfinite(flat).all():
         values[:, names.index("efficiency")] /= flat
         columns[names.index("efficiency")] |= {"unit": "x of flat", "maximise": True}
     return columns, values
-
-
-def _of(run: Row, meant: Mapping[str, Any]) -> float:
-    """An objective of a run; NaN where that of a plugin has another unit or sense there than in a column."""
-    name, result = meant["name"], run.result
-    same = all(
-        result.get(of, {}).get(name, meant[one]) == meant[one]
-        for of, one in (("units", "unit"), ("maximise", "maximise"))
-    )
-    return run.objectives.get(name, math.nan) if same else math.nan
 
 
 def _print_table(folder: Path, runs: Sequence[Row], labels: Sequence[str]) -> None:

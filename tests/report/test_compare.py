@@ -4,7 +4,7 @@ import csv
 import json
 
 import pytest
-from study_pages import data_of, leave_job
+from study_pages import leave_job
 
 import footopt as fo
 from footopt.files import identity
@@ -68,28 +68,6 @@ def test_the_gain_of_a_search_has_its_range_over_the_other_laws(runs, capsys):
     assert said.count("x 0.90 to 1.50") == 1
     assert "sign not certain: a: " in said
     assert (runs / "here" / "report.html").read_text().count('"laws":"x 0.90 to 1.50, sign not certain"') == 1
-
-
-def test_measures_of_plugins_are_compared_only_where_they_mean_the_same(runs):
-    """By what the runs themselves say of them: the plugins are not needed."""
-    for name, unit, maximise in (("old/a", "J/m", False), ("old/b", "J/m", False), ("new/c", "m/J", True)):
-        path = runs / name / "result.json"
-        result = json.loads(path.read_text())
-        result |= {"objective_names": ["score", "work"], "front_columns": ["score", "work"]}
-        result["front_values"] = [[3.0, 2.0], [2.0, 1.0]] if maximise else [[1.0, 2.0], [2.0, 1.0]]
-        result["objectives"]["score"] = 1.0
-        result["units"] |= {"score": unit}
-        result["maximise"] |= {"score": maximise}
-        path.write_text(json.dumps(result))
-        identity.write(runs / name, {"sand": {"zeta": 1.0}}, [])
-    compare(runs / "here", f"{runs}/old/[ab]", f"{runs}/new/c")
-    with open(runs / "here" / "summary.csv", newline="") as file:
-        shares = [float(row["hypervolume_share"]) for row in csv.DictReader(file)]
-    assert shares == [1.0, 1.0, 1.0]
-    data = data_of(runs / "here")
-    column = next(column for column in data["columns"] if column["name"] == "score")
-    assert (column["unit"], column["maximise"]) == ("J/m", False)
-    assert [path.name for path in (runs / "here" / "figures").iterdir()] == ["fronts.png"]
 
 
 def test_a_multirun_stands_for_its_jobs_in_their_order(runs):
