@@ -39,11 +39,6 @@ class Strides(NamedTuple):
         means = {joint: curves.mean(axis=0) for joint, curves in self.curves.items()}
         return {j: mean - (self.phase - 0.5) * (mean[-1] - mean[0]) for j, mean in means.items()}
 
-    def variation(self) -> tuple[float, float]:
-        """Standard deviation over strides: of the logarithm of the period, and of thigh and knee, deg."""
-        apart = [np.var(self.curves[joint], axis=0, ddof=1) for joint in ANGLES]
-        return float(np.std(np.log(self.periods), ddof=1)), float(np.sqrt(np.mean(apart)))
-
 
 def cut(
     t: Array, angles: dict[str, Array], window: tuple[float, float] | None = None, notes: tuple[str, ...] = ()

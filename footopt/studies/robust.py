@@ -18,14 +18,13 @@ from footopt.design import Confirmation, FootProblem, SearchResult, Solver, conf
 from footopt.design.robust import RobustProblem, regret, risk
 from footopt.design.scenarios import Scenario, Spread, draw, plausible_laws, sands
 from footopt.design.store import typed_json
-from footopt.errors import FootoptError, SettingError, check
+from footopt.errors import FootoptError, check
 from footopt.files import io as files
 from footopt.files.feet import write_foot
 from footopt.foot import Foot
 from footopt.report import figures, terminal
 from footopt.report.numbers import title
 from footopt.report.output import Step, foot_entry, report_generations, scene_entry
-from footopt.studies import build
 from footopt.studies.runs import Study
 from footopt.studies.settings import Config
 from footopt.walk import Simulator
@@ -123,23 +122,9 @@ def make_scenarios(config: Config, scene: Simulator) -> tuple[Scenario, ...]:
 
 
 def make_spread(config: Config) -> Spread:
-    """The spread of the scenarios by the settings.
-
-    A null zeta means that of the sand. A null period, or null angles, are measured on the strides of the
-    gait's file.
-    """
+    """The spread of the scenarios by the settings; a null zeta means that of the sand."""
     values = dict(vars(config.study.spread))
-    if values["zeta"] is None:
-        values["zeta"] = config.sand.spread
-    unknown = [name for name, value in values.items() if value is None]
-    if not unknown:
-        return Spread(**values)
-    strides = build.make_strides(config.gait)
-    if strides is None or len(strides.periods) < 3:
-        allowed = "a number, unless gait.path records three strides or more"
-        raise SettingError(f"study.spread.{unknown[0]}", None, allowed)
-    measured = dict(zip(("period", "angles"), strides.variation(), strict=True))
-    return Spread(**values | {name: measured[name] for name in unknown})
+    return Spread(**values | ({"zeta": config.sand.spread} if values["zeta"] is None else {}))
 
 
 def searched(

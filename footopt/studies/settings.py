@@ -94,8 +94,8 @@ def settings_class(kind: type, null: Collection[str] = (), given: Mapping[str, A
 
 SpaceConfig: Any = settings_class(Waypoints)
 SolverConfig: Any = settings_class(Solver)
-#: A null zeta means that of the sand; null period or angles mean those of the recorded strides.
-SpreadConfig: Any = settings_class(Spread, ("zeta", "period", "angles"), {"zeta": setting(None, Spread)})
+#: A null zeta means that of the sand.
+SpreadConfig: Any = settings_class(Spread, ("zeta",), {"zeta": setting(None, Spread)})
 BY_HAND = {f.name: setting(None, Accuracy) for f in fields(Accuracy) if f.name != "name"}
 BY_HAND["tolerance"] = setting(None, "Takes the cheapest accuracy within this relative error.")
 AccuracyConfig: Any = settings_class(Accuracy, BY_HAND, BY_HAND)

@@ -4,15 +4,11 @@ import json
 
 import numpy as np
 import pytest
-from motion_files import write_table
 from running import composed, footopt, unrender
 from study_pages import check_page
 
 import footopt as fo
 from footopt.design.scenarios import sands
-from footopt.errors import SettingError
-from footopt.files.gaits import read_strides
-from footopt.studies.robust import make_spread
 from footopt.studies.runs import run_study
 from footopt.walk.accuracy import PRESETS
 from footopt.walk.ladder import numerics
@@ -63,17 +59,6 @@ def test_of_drawn_scenarios_each_has_its_specialist(tmp_path, monkeypatch):
     assert list(result["feet"]) == [*(f"draw {i}" for i in range(1, 6)), "robust"]
     zetas = [s["scene"]["sand"]["zeta"] for s in result["scenarios"]]
     assert zetas == [s.scene.sand.zeta for s in fo.draw(fo.Scene(), fo.Spread(), 5, 1)]
-
-
-def test_what_is_null_is_measured_from_the_strides_of_the_gait(tmp_path):
-    path = write_table(tmp_path / "walk.csv", fo.Gait.human(), 5.0)
-    null = ("study.spread.angles=null", "study.spread.period=null")
-    spread = make_spread(composed(*BRIEF, "gait=file", f"gait.path={path}", *null))
-    period, angles = read_strides(path).variation()
-    assert spread == fo.Spread(period=period, angles=angles)
-    for gait in ((), ("gait=file", f"gait.path={path}", "gait.window=[0,1.2]")):
-        with pytest.raises(SettingError, match=r"study\.spread\.period = None: must be a number, unless"):
-            make_spread(composed(*BRIEF, *gait, *null))
 
 
 @pytest.mark.slow
