@@ -8,7 +8,7 @@ refinement, u_input the root sum of squares of half the change of S as each inpu
 import tomllib
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from importlib.resources import files
 from typing import Any
@@ -191,26 +191,22 @@ def run(study: Study) -> None:
     )
 
 
-def counts(found: Sequence[Comparison], share: float = 1.0) -> dict[str, int]:
-    """Experiments by what their best law predicts; `share` multiplies the uncertainty of the data."""
+def counts(found: Sequence[Comparison]) -> dict[str, int]:
+    """Experiments by what their best law predicts."""
     agree: dict[str, dict[tuple[str, ...], list[bool]]] = {}
     for c in found:
         if not c.apart:
-            verdict = replace(c, experimental=share * c.experimental).verdict
-            agree.setdefault(c.experiment, {}).setdefault(c.law, []).append(verdict == AGREES)
+            agree.setdefault(c.experiment, {}).setdefault(c.law, []).append(c.verdict == AGREES)
     best = [max(sum(own) / len(own) for own in laws.values()) for laws in agree.values()]
     number_of = Counter(MET[0] if part == 1.0 else MET[1] if part else MET[2] for part in best)
     return {met: number_of[met] for met in MET}
 
 
 def summary(found: Sequence[Comparison]) -> str:
-    """The count of experiments, and how it depends on the uncertainty of the data, which is often assumed."""
-    own, halved, doubled = (counts(found, share) for share in (1.0, 0.5, 2.0))
+    """The count of experiments."""
+    own = counts(found)
     told = ", ".join(f"{number} {met}" for met, number in own.items())
-    return (
-        f"Of {sum(own.values())} experiments with measured data the best of the laws predicts {told}; with "
-        f"half the uncertainty of the data {halved[MET[2]]} {MET[2]}, with twice of it {doubled[MET[2]]}."
-    )
+    return f"Of {sum(own.values())} experiments with measured data the best of the laws predicts {told}."
 
 
 def cells(c: Comparison) -> list[str]:
