@@ -11,7 +11,6 @@ import footopt as fo
 from footopt.walk.checks import diagnose
 from footopt.walk.discretize import HALVINGS, time_grid
 from footopt.walk.newton import NEWTON
-from footopt.walk.results import step_on_patch
 
 
 class TestFailures:
@@ -166,11 +165,3 @@ class TestValidity:
             names = {d.name for d in diagnose(fo.simulate(flat_foot, fo.Scene(t_f=t_f)))}
             assert any("floor" in name for name in names) == below
             assert not any("length" in name for name in names)
-
-
-@pytest.mark.parametrize(("begin", "step"), [(-1.0, 0), (0.9, 1), (9.0, 0)])
-def test_the_step_that_is_shown_is_the_first_on_a_patch_or_the_first_of_all(walk, begin, step):
-    patch = fo.Patches((begin,), (10.0,), (2.0,))
-    on_patch = replace(walk, scene=replace(walk.scene, effects=(patch,)))
-    assert step_on_patch(walk) == 0
-    assert step_on_patch(on_patch) == step

@@ -11,12 +11,13 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike
 
+from footopt.gait import RIGHT
 from footopt.report import style
 from footopt.report.stage import ARROWS, Stage, draw_ground, draw_key
 from footopt.report.style import Axes
 from footopt.walk import Walk
 from footopt.walk.objectives import Objective, lookup
-from footopt.walk.results import stance, step_on_patch
+from footopt.walk.results import stance
 
 ROWS, COLUMNS = 2, 3  # of snapshots
 LONGEST = 0.27  # arrow, of the length of a sole
@@ -109,14 +110,14 @@ def _finish(axes: Axes, walks: Iterable[Walk]) -> None:
 
 @style.styled()
 def step(walk: Walk) -> Figure:
-    """The right foot's first step, or the first one on a patch of other sand: the sole and its forces.
+    """The right foot's first step: the sole and its forces.
 
     Snapshots are at equal intervals of time. Each arrow is the force on one of `stage.ARROWS` parts of the
     sole and ends there. The walk needs a `footopt.walk.results.stance`.
     """
-    contact = stance(walk, step_on_patch(walk))
+    contact = stance(walk)
     assert contact is not None
-    foot, begin, end = contact.foot, walk.t[contact.first], walk.t[contact.last]
+    foot, begin, end = RIGHT, walk.t[contact.first], walk.t[contact.last]
     times = np.linspace(begin, end, 2 * ROWS * COLUMNS + 1)[1::2]  # at its ends a contact carries no force
     longest, margin = np.multiply((LONGEST, MARGIN), np.ptp(walk.foot.contour[:, 0]))
     stage = Stage(walk, walk.t[np.searchsorted(walk.t, times)])

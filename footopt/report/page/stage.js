@@ -1,6 +1,6 @@
 // The stage: legs, soles, forces and the ground at one instant of a walk.
 
-const LEFT = 0, RIGHT = 1, SIDES = data.sides ?? ["left", "right"], LOOKS = ["left", "right"];
+const RIGHT = 1, SIDES = data.sides ?? ["left", "right"], LOOKS = ["left", "right"];
 const LINES = [{ stroke: "var(--left)" }, { stroke: "var(--right)", "stroke-dasharray": "7 3" }];
 
 const gait = data.gait && { ...data.gait, angles: unpack(data.gait.angles) };

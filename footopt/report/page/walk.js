@@ -156,12 +156,12 @@ function walkSection() {
   return { section, show, redraw };
 }
 
-/** A step, close, over and over: the first one, or the first on a patch; `show(i)` takes that of another design. */
+/** A step, close, over and over: the first one; `show(i)` takes that of another design. */
 function stepLoop() {
   const holder = el("div", { class: "plot", id: "step" }), still = matchMedia("(prefers-reduced-motion: reduce)").matches;
   const button = el("button", { type: "button", class: "loop", click: () => { state.playing = !state.playing; run(); } });
   const beside = el("span"), figure = el("figure", {}, holder, el("figcaption", {}, button, " A step at a quarter of its speed, with the forces on parts of the sole", beside));
-  const begin = gait.strikes[gait.step], stride = 2 * ((gait.strikes[1] ?? NaN) - gait.strikes[0]), side = gait.step % 2 ? LEFT : RIGHT;
+  const begin = gait.strikes[0], stride = 2 * ((gait.strikes[1] ?? NaN) - gait.strikes[0]), side = RIGHT;
   const state = { walk: null, mover: null, t: begin + 0.1 * stride, playing: !still && Number.isFinite(stride), seen: true };
   new IntersectionObserver(([{ isIntersecting }]) => { state.seen = isIntersecting; run(); }).observe(holder);
   let before = 0, busy = false;

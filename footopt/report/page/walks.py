@@ -28,7 +28,6 @@ from footopt.walk.contact import BENT, EXPOSED, TURN
 from footopt.walk.ladder import numerics
 from footopt.walk.loop import MAX_REPEATS, NEAR_PEAK, PEAK
 from footopt.walk.objectives import floors
-from footopt.walk.results import step_on_patch
 from footopt.walk.steppers import STEPPERS
 
 FRAMES = 250  # samples of a walk's forces along the sole
@@ -153,7 +152,6 @@ def _common(
             "end": world.duration,
             "angles": packed(angles),  # thigh, shank and pitch of both legs, for soles that have not walked
             "strikes": world.strikes,
-            "step": step_on_patch(walk),  # that is shown close
             "l1": world.walker.l1,
             "l2": world.walker.l2,
         },
