@@ -14,7 +14,7 @@ import numpy as np
 
 from footopt.arrays import Array
 from footopt.effects.base import Effect, ordered
-from footopt.errors import TINY, check, check_kind, check_number
+from footopt.errors import TINY, SettingError, check, check_kind, check_number
 from footopt.foot import Foot, Waypoints
 from footopt.gait import Gait
 from footopt.mujoco.controllers import Controller, FunctionController, Tracker
@@ -204,9 +204,24 @@ class Robot(Simulator):
         """The controller, if it is a function."""
         return () if self.scripted else (self.controller.function,)
 
+    @quiet()
     def check_comparable(self) -> None:
-        """Raise unless the axes of its feet are those of a sole."""
+        """Raise unless its walks can be compared.
+
+        The axes of its feet have to be those of a sole, and its first steps in the air stable: a later
+        failure is then caused by the sand.
+        """
         check_axes(self)
+        dt, upright = self.model.compiled.opt.timestep, replace(self, lowest=1e-9, tilt=math.pi)
+        try:
+            found = walk(upright, None, Accuracy(dt=dt), min(200 * dt, self.duration))
+        except Exception as error:
+            if self.scripted:
+                raise
+            why = f"a function of (model, data) that does not fail ({type(error).__name__}: {error})"
+            raise SettingError("robot.controller", self.controller.name, why) from error
+        why = "a model that is stable in the air"
+        check(found.reason != "diverged", "robot.model", self.title, why, "Try a shorter timestep.")
 
     def ladder(self, of: Tolerance, soles: Waypoints | tuple[Foot, ...]) -> tuple[Accuracy, Found]:
         """The time step, halved from the model's, and the plates that meet a tolerance (`walk.ladder`)."""
@@ -237,7 +252,7 @@ class Robot(Simulator):
     ) -> Walked:
         """Walk with some feet."""
         workers = min(at_once(threads), len(feet)) if self.scripted else 1
-        one = partial(walk, self, accuracy=accuracy)
+        one = partial(walk, self, accuracy=accuracy, end=self.duration)
         with ThreadPoolExecutor(workers) if workers > 1 else nullcontext() as pool:
             found = list((pool.map if pool else map)(one, feet))
         raw = np.array([[each.totals.get(name, np.nan) for name in self.quantities] for each in found])
@@ -249,7 +264,7 @@ class Robot(Simulator):
     def trace(self, foot: Foot, accuracy: Accuracy) -> RobotWalk:
         """Walk with one foot, keeping full traces."""
         check_axes(self)
-        return traced(self, foot, accuracy, walk(self, foot, accuracy, traced=True))
+        return traced(self, foot, accuracy, walk(self, foot, accuracy, self.duration, traced=True))
 
 
 @lru_cache(maxsize=64)

@@ -24,6 +24,7 @@ from footopt.walk.objectives import FIVE
 
 #: Quantities that a walk measures, beside how well servos follow.
 MEASURED = (*FIVE, "joint_work", "torque", "survival", "maximum_sinkage", "peak_vertical_force")
+HIGH = 100.0  # m, above the sand, for a walk in the air
 SQUARE = 0.5  # cosine of how far the axes of a foot may be from forward and up at the start
 AXES = [0, 2]  # x and z of three
 _LOCK, _quieted = Lock(), list[Any]()  # an entry per walk under way; the first has MuJoCo's own settings
@@ -66,18 +67,23 @@ def quiet() -> Iterator[None]:
             del _quieted[-1]
 
 
-def walk(robot: Any, foot: Foot, accuracy: Accuracy, traced: bool = False) -> Outcome:
-    """Walk with a foot."""
+def walk(robot: Any, foot: Foot | None, accuracy: Accuracy, end: float, traced: bool = False) -> Outcome:
+    """Walk with a foot until `end`, s; with None in the air."""
     import mujoco
 
-    steps, model = accuracy.steps(robot.duration), robot.model
-    if robot.density is not None:
+    steps, model = max(1, math.ceil(end / accuracy.dt - 1e-9)), robot.model
+    if foot and robot.density is not None:
         model = model.wearing(foot, robot.density)
-    t, height = robot.duration / steps * np.arange(steps + 1, dtype=np.float64), robot.model.height_address
+    t, height = end / steps * np.arange(steps + 1, dtype=np.float64), robot.model.height_address
     weight = model.mass * robot.g
     own = with_step(model, t[1])
     data = mujoco.MjData(own)
     posed(robot, own, data)
+    if foot is None:
+        data.qpos[height] += HIGH
+        states, sensed = stepped(robot, own, data, t)
+        counts, sand = {"evaluations": 0, "failures": 0}, np.zeros((steps, len(robot.feet), 6))
+        return outcome(robot, t, sensed, sand, states, counts)
     soles, plates = soles_of(robot, foot), 2 * accuracy.plates
     contact = Contact(own, data, soles, robot.sand, robot.effects, plates, steps + 1, traced)
     try:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import footopt as fo
-from footopt.errors import FootoptError, SettingError
+from footopt.errors import SettingError
 from footopt.mujoco.model import BIPED
 from footopt.mujoco.walking import quiet
 from footopt.walk import FIVE
@@ -136,14 +136,14 @@ class TestTheRobot:
         assert np.isnan(table.values[0, :5]).all()
         assert 0.1 < table.column("survival")[0] < 2.0
 
-    def test_a_model_that_is_unstable_diverges_in_silence(self, monkeypatch, tmp_path, capfd):
+    def test_a_model_that_is_unstable_in_the_air_is_refused(self, monkeypatch, tmp_path, capfd):
         """Explicit damping of light feet by stiff servos: MuJoCo resets such a simulation by itself."""
         monkeypatch.chdir(tmp_path)  # where MuJoCo would write its log
         explicit = (
             BIPED.read_text().replace("implicitfast", "Euler").replace('armature=".05"', 'armature=".001"')
         )
-        table = fo.evaluate([SOLES[0]], fo.mujoco.Robot(explicit), COARSE, space=SPACE)
-        assert table.reasons.tolist() == ["diverged"]
+        with pytest.raises(SettingError, match=r"robot.model.*stable in the air"):
+            fo.FootProblem(fo.mujoco.Robot(explicit))
         assert not [*tmp_path.iterdir()]
         assert capfd.readouterr() == ("", "")
 
@@ -154,10 +154,9 @@ class TestTheRobot:
             first.close()
         assert mujoco.get_mju_user_warning() is before
 
-    def test_a_controller_that_fails_ends_a_search_at_once(self, biped):
-        problem = fo.FootProblem(replace(biped, controller=no_such_motor), accuracy=COARSE)
-        with pytest.raises(FootoptError, match=r"KeyError.*no_such_motor"):
-            fo.search(problem, walks=20)
+    def test_a_controller_that_fails_is_named_before_a_search(self, biped):
+        with pytest.raises(SettingError, match=r"robot.controller = 'no_such_motor'.*KeyError"):
+            fo.FootProblem(replace(biped, controller=no_such_motor))
 
     @pytest.mark.slow
     def test_commands_are_a_controller(self, biped):

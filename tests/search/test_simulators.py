@@ -103,7 +103,7 @@ class TestRobots:
     def test_a_controller_that_sets_no_numbers_is_refused(self):
         robot = fo.mujoco.Robot(controller=lambda model, data: data.ctrl.fill(np.nan), duration=1.0)
         with pytest.raises(SettingError, match=r"robot\.controller"):
-            fo.evaluate(fo.Foot.flat(), robot, fo.Accuracy(dt=2e-3))
+            fo.FootProblem(robot)
 
     def test_gravity_that_is_not_down_is_refused(self):
         text = BIPED.read_text().replace("<option ", '<option gravity="0 -9.81 0" ')
