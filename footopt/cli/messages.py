@@ -26,6 +26,7 @@ KINDS = {
     "not a ListConfig": "a list in brackets, such as [1,2]",
     "to string": "one word",
     "is not Optional": "given a value",
+    "Incompatible value 'None'": "given a value",
 }
 
 

@@ -26,6 +26,7 @@ COMMANDS = {
     "resume=": "resume = ''",
     # values of another kind
     "sand.zeta=loose": "sand.zeta = 'loose'",
+    "sand.zeta=null": "sand.zeta = 'null'",
     "study=simulate sand.coefficients=3": "sand.coefficients.A00",
     # values that the library refuses
     "foot.block=[1,0.02]": "foot.block = [1.0, 0.02]",
