@@ -148,9 +148,8 @@ class Run:
 
         path = self.folder / "designs.csv"
         if path.is_file():
-            frame = pandas.read_csv(path, dtype={"reason": object}, float_precision="round_trip")
-            types = {"feasible": bool, "on_front": bool}
-            return frame.fillna({"reason": ""}).astype(types).rename_axis("design")
+            frame = pandas.read_csv(path, dtype={"reason": object}).fillna({"reason": ""})
+            return frame.astype({"feasible": bool, "on_front": bool}).rename_axis("design")
         if not self.result or self.settings["study"]["name"] != "optimize":
             hint = "run.search().to_frame() reads its store, and walks what is missing."
             raise FileError(f"{self.folder}: has no designs.csv. {hint}")

@@ -33,7 +33,7 @@ class Accuracy:
         How plates are laid, a name in `foot.plates.RULES`: "chord" as in the paper, or "arc", which
         needs fewer for the same error.
     control : float, m/s, optional
-        The largest estimated error of the hip's velocity in one step: a step beyond it is halved, three
+        The largest estimated error of the hip's velocity in one step: a step beyond it is halved, six
         times at most; dt is the longest step. None: all steps are equally long.
     tolerance : float, optional
         The relative error that these parameters were found for (`Tolerance`).

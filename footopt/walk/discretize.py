@@ -16,7 +16,8 @@ from footopt.walk.state import LANES, Sole, World, sole_at
 from footopt.walk.steppers import STEPPERS
 
 REST = 4  # times as long steps while the walker stands
-HALVINGS = 3  # of a step under control, at most
+HALVINGS = 6  # of a step under control, at most: a power that jumps has its peak at one end of the jump
+TABLED = 3  # of these, those with tables of poses; the poses of shorter steps are between those
 ROWS = 5_000_000  # most poses of a walk that are tabulated, 112 bytes each; ten minutes take 2.6 million
 POSES = 64  # cached tables of poses: about 1 MB each; making one takes as long as a few dozen walks
 LONG = ROWS // POSES  # poses in a table above which only `LONG_ONES` are cached
@@ -58,7 +59,7 @@ def time_grid(path: Path, accuracy: Accuracy) -> Array:
 
 def pose_rows(path: Path, accuracy: Accuracy) -> float:
     """How many poses a walk needs (`poses`), about."""
-    levels = 1 if accuracy.control is None else 2 ** (HALVINGS + 1) - 1
+    levels = 1 if accuracy.control is None else 2 ** (TABLED + 1) - 1
     return path.t_f / accuracy.dt * levels * len(STEPPERS[accuracy.stepper].nodes)
 
 
@@ -70,7 +71,7 @@ def too_many_poses(path: Path, accuracy: Accuracy) -> bool:
 def poses(path: Path, accuracy: Accuracy) -> tuple[Array, Array, tuple[Array, ...]]:
     """Time grid, pose at t = 0, (2, 7), and at every step's nodes, (steps, nodes, 2, 7).
 
-    Under control of the step there is one more table for each halving, with twice as many steps.
+    Under control of the step there is one more table for each of `TABLED` halvings, with twice as many steps.
     """
     if too_many_poses(path, accuracy):
         least = accuracy.dt * pose_rows(path, accuracy) / ROWS
@@ -89,7 +90,7 @@ def _pose_tables(
     times = time_grid(path, accuracy)
     pose = partial(path.gait.pose, l1=path.l1, l2=path.l2)
     tables = []
-    for level in range(1 if accuracy.control is None else 1 + HALVINGS):
+    for level in range(1 if accuracy.control is None else 1 + TABLED):
         parts = (np.arange(2**level)[:, None] + np.asarray(nodes)) / 2**level
         t = (times[:-1, None, None] + np.diff(times)[:, None, None] * parts).ravel()
         tables.append(pose(t).table().reshape(-1, len(nodes), 2, 7))

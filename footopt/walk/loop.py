@@ -22,7 +22,17 @@ from footopt.walk.accuracy import Accuracy
 from footopt.walk.bristles import Bristles, bent_down, record
 from footopt.walk.contact import static_height
 from footopt.walk.discretize import Path
-from footopt.walk.metrics import COLUMNS, NO_EXTREMES, RAW, raw_of, sample_of, sinkage_of, step_error, updated
+from footopt.walk.metrics import (
+    COLUMNS,
+    NO_EXTREMES,
+    RAW,
+    hermite,
+    raw_of,
+    sample_of,
+    sinkage_of,
+    step_error,
+    updated,
+)
 from footopt.walk.own_code import compiled_for
 from footopt.walk.state import ALOFT, COUNTS, Integrals, Motion, State, World, borrowed, sole_at, write
 from footopt.walk.steppers import STEPPERS, acceleration, advance, explicit_contact
@@ -45,7 +55,9 @@ class Course(NamedTuple):
     times: Array  # (steps + 1,), s, the first is 0
     start: Array  # (2, 7): both feet at t = 0
     poses: Any  # a table for whole steps, (steps, nodes, 2, 7), then for halves, quarters, ... of them
-    finest: int  # how often a step may be halved: the last of these tables that is used
+    nodes: Array  # where in a step these are, as shares of it
+    tabled: int  # the last of these tables that is used
+    finest: int  # how often a step may be halved
     control: float  # m/s, the largest `step_error`; infinite for steps that are never shortened
     strike: float  # s, the first heel strike
     sink: bool  # whether to follow the maximum sinkage
@@ -54,13 +66,14 @@ class Course(NamedTuple):
 class Output(NamedTuple):
     """The arrays that are filled; the traces are those of one design.
 
-    Row 0 of the traces is the start; rows inside longer steps are left as they were.
+    Row 0 of the traces is the start, the next ones are the ends of the shortest steps in the tables of poses:
+    rows inside longer steps are left as they were.
     """
 
     raw: Array  # (designs, len(RAW))
     status: Any  # (designs,)
     counts: Any  # (designs,) of `COUNTS`
-    trace: Array  # (shortest steps + 1, `metrics.COLUMNS`); without rows, nothing is traced
+    trace: Array  # (shortest tabled steps + 1, `metrics.COLUMNS`); without rows, nothing is traced
     bristles: Any  # (rows of the trace, 2 feet, 2, plates), or None
 
 
@@ -71,8 +84,9 @@ def walk_designs(method, soles, world, course, out, begin, end):
     halved as long as it can be, as one with too large an error is. Then the walk has diverged, and
     `walk_batch` repeats it with a quarter of the time step, three times at most.
     """
-    times, control, poses = course.times, course.control, course.poses
-    steps, finest = len(times) - 1, course.finest
+    times, control, tabled, finest = course.times, course.control, course.tabled, course.finest
+    steps, row = len(times) - 1, 1 << (finest - tabled)
+    within = np.empty((len(course.nodes), 2, 7))
     for d in range(begin, end):
         sole, count = sole_at(soles, d), out.counts[d]
         for column in range(out.raw.shape[1]):
@@ -87,7 +101,13 @@ def walk_designs(method, soles, world, course, out, begin, end):
             stride = 1 << (finest - level)
             h = (times[n + 1] - times[n]) / (1 << level)
             index = (n << level) + place // stride
-            new = advance(method, world, sole, borrowed(poses[level])[index], state, h, count)
+            if level <= tabled:
+                poses = borrowed(course.poses[level])[index]
+            else:
+                parts, table = 1 << (level - tabled), borrowed(course.poses[tabled])
+                _poses_between(within, table, course.start, index, parts, course.nodes, h * parts)
+                poses = borrowed(within)
+            new = advance(method, world, sole, poses, state, h, count)
             ax0, az0 = acceleration(world, state.contact)
             ax1, az1 = acceleration(world, new.contact)
             error = step_error(state.hip.vx, new.hip.vx, ax0, ax1, h)
@@ -106,15 +126,15 @@ def walk_designs(method, soles, world, course, out, begin, end):
                 status = SUNK
                 break
             place += stride
-            row = (n << finest) + place
             t = times[n] + place / (1 << finest) * (times[n + 1] - times[n])
             if place == 1 << finest:
                 n, place = n + 1, 0
                 t = times[n]
-            depth = sinkage_of(sole, poses[level][index, -1], new.hip) if course.sink else 0.0
+            depth = sinkage_of(sole, poses[-1], new.hip) if course.sink else 0.0
             extremes = updated(extremes, state, new, ax0, ax1, t, h, course.strike, depth)
             state = new
-            _trace(out, row, t, state)
+            if place % row == 0:
+                _trace(out, (n << tabled) + place // row, t, state)
             if level > 0 and place % (2 * stride) == 0 and error < LENGTHEN * allowed:
                 level -= 1
         if status == OK:
@@ -122,6 +142,25 @@ def walk_designs(method, soles, world, course, out, begin, end):
                 status = BACKWARD
             write(out.raw[d], raw_of(state, extremes, times[-1]))
         out.status[d] = status
+
+
+@inlined
+def _poses_between(out, table, start, index, parts, nodes, h):
+    """Fill in the poses at the nodes of a step that is one of `parts` of a step in a table, h seconds long.
+
+    They are on the cubic polynomials through both ends of that step with their rates.
+    """
+    whole, part = index // parts, index % parts
+    first, last = (start if whole == 0 else table[whole - 1, -1]), table[whole, -1]
+    for i in range(len(nodes)):
+        share = (part + nodes[i]) / parts
+        for foot in range(2):
+            a, b, at = first[foot], last[foot], out[i, foot]
+            at[0], at[2] = hermite(a[0], b[0], a[2], b[2], h, share)
+            at[1], at[3] = hermite(a[1], b[1], a[3], b[3], h, share)
+            at[4], cos_rate = hermite(a[4], b[4], -a[5] * a[6], -b[5] * b[6], h, share)
+            at[5], sin_rate = hermite(a[5], b[5], a[4] * a[6], b[4] * b[6], h, share)
+            at[6] = at[4] * sin_rate - at[5] * cos_rate
 
 
 @inlined
@@ -171,10 +210,11 @@ def walk_batch(
     times, pose0, tables = discretize.poses(path, accuracy)
     soles, constants = discretize.soles(plates), discretize.with_bypassed_gates(world)
     rows, padded = len(tables[-1]) + 1 if traced else 0, soles.plates.shape[2]
-    finest, control = len(tables) - 1, math.inf if accuracy.control is None else accuracy.control
+    tabled, control = len(tables) - 1, math.inf if accuracy.control is None else accuracy.control
     # always as many tables: the loop would be compiled again for another number of them
-    tables += tables[:1] * (discretize.HALVINGS - finest)
-    course = Course(times, pose0, tables, finest, control, path.gait.heel_strike, sink)
+    tables += tables[:1] * (discretize.TABLED - tabled)
+    nodes, finest = np.array(STEPPERS[accuracy.stepper].nodes), discretize.HALVINGS if tabled else 0
+    course = Course(times, pose0, tables, nodes, tabled, finest, control, path.gait.heel_strike, sink)
     out = Output(
         raw=np.empty((designs, len(RAW))),
         status=np.empty(designs, np.int64),

@@ -70,7 +70,7 @@ def updated(extremes, before, after, a0, a1, t, h, strike, sinkage):
     if t > strike - 1e-9:  # objectives that begin with the first heel strike
         if speed == -np.inf:
             share = min(max(1.0 - (t - strike) / h, 0.0), 1.0)
-            speed = hermite(v0, v1, a0, a1, h, share)
+            speed, _ = hermite(v0, v1, a0, a1, h, share)
             power = max(_between(left, share), _between(right, share))
         elif a0 * a1 < 0.0:
             extreme = hermite_extreme(v0, v1, a0, a1, h)
@@ -113,10 +113,10 @@ def hermite_extreme(v0, v1, a0, a1, h):
 
 @inlined
 def hermite(v0, v1, a0, a1, h, s):
-    """The velocity at the share s of a step."""
+    """A quantity and its rate at the share s of a step, from both at the step's ends."""
     rise = v1 - v0
     q, r = 3.0 * rise - h * (2.0 * a0 + a1), h * (a0 + a1) - 2.0 * rise
-    return v0 + s * (h * a0 + s * (q + s * r))
+    return v0 + s * (h * a0 + s * (q + s * r)), a0 + s * (2.0 * q + 3.0 * s * r) / h
 
 
 @inlined

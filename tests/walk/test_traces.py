@@ -9,7 +9,7 @@ import pytest
 
 import footopt as fo
 from footopt.walk.checks import diagnose
-from footopt.walk.discretize import HALVINGS, time_grid
+from footopt.walk.discretize import TABLED, time_grid
 from footopt.walk.newton import NEWTON
 
 
@@ -98,7 +98,7 @@ class TestTraces:
         """Each time is on the grid of the shortest steps, and steps are short where forces change."""
         accuracy = fo.Accuracy(dt=1e-2, control=1e-4)
         walk = fo.simulate(ramp_foot, fo.Scene(), accuracy)
-        parts = 2**HALVINGS
+        parts = 2**TABLED
         grid = time_grid(walk.scene.path, accuracy)
         fine = np.concatenate([grid[:-1, None] + np.diff(grid)[:, None] * np.arange(parts) / parts]).ravel()
         place = np.searchsorted(fine, walk.t[:-1] - 1e-9)

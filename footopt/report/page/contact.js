@@ -40,32 +40,55 @@ function footPose(t, foot, table, at) {
   table[at + 6] = rate;
 }
 
+/** A quantity and its rate at the share s of a step, from both at the step's ends (cubic Hermite). */
+function hermite(v0, v1, a0, a1, h, s) {
+  const rise = v1 - v0, q = 3 * rise - h * (2 * a0 + a1), r = h * (a0 + a1) - 2 * rise;
+  return [v0 + s * (h * a0 + s * (q + s * r)), a0 + (s * (2 * q + 3 * s * r)) / h];
+}
+
+/** A foot's pose at the share s of a step of h seconds, into a table, from those at the step's ends. */
+function poseBetween(first, i, last, j, h, s, table, at) {
+  for (let k = 0; k < 2; k++) // x and z
+    [table[at + k], table[at + 2 + k]] = hermite(first[i + k], last[j + k], first[i + 2 + k], last[j + 2 + k], h, s);
+  const [a, b] = [first.subarray(i + 4, i + 7), last.subarray(j + 4, j + 7)]; // cosine, sine, rate
+  const [cos, cosRate] = hermite(a[0], b[0], -a[1] * a[2], -b[1] * b[2], h, s);
+  const [sin, sinRate] = hermite(a[1], b[1], a[0] * a[2], b[0] * b[2], h, s);
+  table.set([cos, sin, cos * sinRate - sin * cosRate], at + 4);
+}
+
 /** Ends of the time steps, and the poses at their nodes for whole steps, halves, quarters: made when first asked for. */
 const motions = new Map();
 function motion(dt) {
   if (motions.has(dt)) return motions.get(dt);
-  const start = P.gait.start ?? Infinity, { end } = P, { rest, halvings, control, gamma } = P.accuracy, times = [];
+  const start = P.gait.start ?? Infinity, { end } = P, { rest, control, gamma } = P.accuracy, times = [];
   const steps = (length) => Math.max(1, Math.ceil(length / dt - 1e-9));
   const standing = start > 0 && start < end ? Math.ceil(start / (rest * dt) - 1e-9) : 0, from = standing ? start : 0;
   for (let k = 0; k < standing; k++) times.push((start * k) / standing);
   const n = steps(end - from);
   for (let k = 0; k <= n; k++) times.push(from + ((end - from) * k) / n);
-  const finest = control === null ? 0 : halvings, nodes = [gamma, 1];
-  const tables = Array.from({ length: finest + 1 }, (_, level) => new Float64Array(28 * (times.length - 1) * 2 ** level).fill(NaN));
+  const [tabled, finest] = control === null ? [0, 0] : [P.accuracy.tabled, P.accuracy.halvings], nodes = [gamma, 1], pose0 = new Float64Array(14);
+  const tables = Array.from({ length: tabled + 1 }, (_, level) => new Float64Array(28 * (times.length - 1) * 2 ** level).fill(NaN));
+  while (tables.length <= finest) tables.push(new Float64Array(28)); // of the step that is asked for last
   /** Where in a level's table both nodes of a step are, 28 numbers. */
   const poses = (level, index) => {
-    const table = tables[level], at = 28 * index;
+    const table = tables[level], n0 = index >> level;
+    if (level > tabled) {
+      const parts = 2 ** (level - tabled), whole = Math.floor(index / parts), h = (times[n0 + 1] - times[n0]) / 2 ** tabled;
+      const [begin, from] = whole ? [tables[tabled], poses(tabled, whole - 1) + 14] : [pose0, 0], to = poses(tabled, whole) + 14;
+      for (let i = 0; i < 4; i++)
+        poseBetween(begin, from + 7 * (i & 1), tables[tabled], to + 7 * (i & 1), h, (index % parts + nodes[i >> 1]) / parts, table, 7 * i);
+      return 0;
+    }
+    const at = 28 * index, part = index - (n0 << level);
     if (Number.isNaN(table[at])) {
-      const n0 = index >> level, part = index - (n0 << level);
       for (let i = 0; i < 4; i++) // two nodes, two feet
         footPose(times[n0] + (times[n0 + 1] - times[n0]) * ((part + nodes[i >> 1]) / 2 ** level), i & 1, table, at + 7 * i);
     }
     return at;
   };
-  const pose0 = new Float64Array(14);
   footPose(0, 0, pose0, 0);
   footPose(0, 1, pose0, 7);
-  const made = { times, finest, tables, poses, pose0 };
+  const made = { times, tabled, finest, tables, poses, pose0 };
   motions.set(dt, made);
   return made;
 }

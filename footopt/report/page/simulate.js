@@ -136,15 +136,11 @@ function sdirk2(W, sole, poses, p, now, after, h) {
 
 // --- the walk: footopt/walk/loop.py, metrics.py, objectives.py --------------------------------------------------
 
-/** The velocity at the share s of a step (cubic Hermite), and its extreme inside a step. */
-function hermite(v0, v1, a0, a1, h, s) {
-  const rise = v1 - v0;
-  return v0 + s * (h * a0 + s * (3 * rise - h * (2 * a0 + a1) + s * (h * (a0 + a1) - 2 * rise)));
-}
+/** The velocity's extreme inside a step. */
 function hermiteExtreme(v0, v1, a0, a1, h) {
   const rise = v1 - v0, p = h * a0, q = 3 * rise - h * (2 * a0 + a1), r = h * (a0 + a1) - 2 * rise;
   const root = Math.sqrt(Math.max(q * q - 3 * p * r, 0)), s = a0 < 0 ? -p / (q + root) : -p / (q - root);
-  return hermite(v0, v1, a0, a1, h, Number.isFinite(s) ? clip(s, 0, 1) : 0);
+  return hermite(v0, v1, a0, a1, h, Number.isFinite(s) ? clip(s, 0, 1) : 0)[0];
 }
 /** The largest of a quantity between the second and the third of four samples. */
 function peak([a, b, c, d], [t0, t1, t2, t3]) {
@@ -176,9 +172,9 @@ function groups(count) {
 const TRACE = 13, EVERY = 2; // steps: forces along soles cost as much as one of Newton's
 /** Walk with plates: why it failed, its raw results, rows of `TRACE` numbers, and the forces along both soles at some of their times. */
 function walkPlates(sole, zeta, mass, dt = P.accuracy.dt, repeat = 0) {
-  const W = world(zeta, mass), { times, finest, tables, poses, pose0 } = motion(dt), { control } = P.accuracy;
+  const W = world(zeta, mass), { times, tabled, finest, tables, poses, pose0 } = motion(dt), { control } = P.accuracy;
   let [now, after] = [0, 1].map(() => ({ x: 0, z: 0, vx: 0, vz: 0, force: new Float64Array(14), sums: new Float64Array(4), reversal: null }));
-  const { parts, of } = groups(sole.x.length), most = (times.length - 1) << finest, rows = new Float64Array(TRACE * most);
+  const { parts, of } = groups(sole.x.length), row = 1 << (finest - tabled), most = (times.length - 1) << tabled, rows = new Float64Array(TRACE * most);
   const when = [], arrows = new Float64Array(4 * parts * (Math.ceil(most / EVERY) + 1));
   const height = staticHeight(W, sole, pose0), strike = P.strike ?? Infinity;
   const end = (reason, raw = null) => ({ reason, raw, rows, made, when, arrows: arrows.subarray(0, 4 * parts * when.length) });
@@ -224,7 +220,7 @@ function walkPlates(sole, zeta, mass, dt = P.accuracy.dt, repeat = 0) {
     if (t > strike - 1e-9) { // objectives that begin with the first heel strike
       if (speed === -Infinity) {
         const share = clip(1 - (t - strike) / h, 0, 1);
-        speed = hermite(now.vx, after.vx, a0, a1, h, share);
+        [speed] = hermite(now.vx, after.vx, a0, a1, h, share);
         power = Math.max(...[lefts, rights].map(([, , before, last]) => before + share * (last - before)));
       } else if (a0 * a1 < 0) {
         const extreme = hermiteExtreme(now.vx, after.vx, a0, a1, h);
@@ -239,16 +235,18 @@ function walkPlates(sole, zeta, mass, dt = P.accuracy.dt, repeat = 0) {
     force = Math.max(force, both[3], ends[0] > 0 ? peak(both, ends) : 0);
     deepest = Math.max(deepest, sinkage(sole, tables[level], p, after.z));
     [now, after] = [after, now];
-    rows.set([t, now.x, now.z, now.vx, now.vz, F[0], F[1], F[7], F[8], F[2], F[9], now.sums[0], now.sums[1]], TRACE * made);
-    for (let foot = 0; foot < 2 && made % EVERY === 0; foot++) {
-      const from = 4 * parts * when.length + 2 * parts * foot;
-      footForce(W, sole, tables[level], p + 14 + 7 * foot, now.x, now.z, now.vx, now.vz, P.accuracy.creep, 0, spare, 0, (i, fx, fz) => {
-        arrows[from + 2 * of[i]] += fx;
-        arrows[from + 2 * of[i] + 1] += fz;
-      });
+    if (place % row === 0) {
+      rows.set([t, now.x, now.z, now.vx, now.vz, F[0], F[1], F[7], F[8], F[2], F[9], now.sums[0], now.sums[1]], TRACE * made);
+      for (let foot = 0; foot < 2 && made % EVERY === 0; foot++) {
+        const from = 4 * parts * when.length + 2 * parts * foot;
+        footForce(W, sole, tables[level], p + 14 + 7 * foot, now.x, now.z, now.vx, now.vz, P.accuracy.creep, 0, spare, 0, (i, fx, fz) => {
+          arrows[from + 2 * of[i]] += fx;
+          arrows[from + 2 * of[i] + 1] += fz;
+        });
+      }
+      if (made % EVERY === 0) when.push(t);
+      made++;
     }
-    if (made % EVERY === 0) when.push(t);
-    made++;
     if (control !== null && level > 0 && place % (2 * stride) === 0 && error < 0.1 * allowed) level--;
   }
   if (now.x <= 0 && speed > -Infinity) return end("backward");

@@ -224,6 +224,7 @@ def physics(
             "gamma": STEPPERS[STEPPER].parameters.gamma,
             "rest": discretize.REST,
             "halvings": discretize.HALVINGS,
+            "tabled": discretize.TABLED,
             "newton": newton.NEWTON,
             "most": newton.MAX_NEWTON,
             "shortest": newton.SHORTEST,
