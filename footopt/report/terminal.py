@@ -1,7 +1,5 @@
 """Output of a run on the terminal: tables, descriptions in a line, warnings. Plain lines in a log file."""
 
-from __future__ import annotations
-
 import inspect
 import math
 import os
@@ -10,7 +8,7 @@ import sys
 import textwrap
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from rich import box
@@ -18,7 +16,8 @@ from rich.console import Console
 from rich.table import Table as RichTable
 from rich.text import Text
 
-from footopt.design import EXHAUSTIVE
+from footopt.design import EXHAUSTIVE, Confirmation, SearchResult
+from footopt.design.archive import causes
 from footopt.design.search import ENOUGH
 from footopt.effects import Effect, name_of
 from footopt.effects.base import parameters
@@ -28,9 +27,6 @@ from footopt.report.numbers import TINY, change, counted, number, percent, quant
 from footopt.sand.law import EARTH
 from footopt.walk import MEASURES, Simulator, gain_shares
 from footopt.walk.checks import Diagnostic
-
-if TYPE_CHECKING:
-    from footopt.design import Confirmation, SearchResult
 
 HEADER = 8  # letters of a line of a number's header
 FEW = 1_000  # designs, with which a search may still be some percent from the best known
@@ -199,8 +195,6 @@ def describe_setup(scene: Simulator, foot: Foot | Waypoints) -> str:
 
 def describe_search(result: SearchResult) -> str:
     """A search in one line: its evaluations, and how many designs were infeasible."""
-    from footopt.design.archive import causes  # a foot is drawn without the optimiser
-
     reused = f", {result.reused} of them known" if result.reused else ""
     lost = result.failures
     why = f" ({causes(lost)})" if lost else ""
