@@ -197,23 +197,23 @@ class Known(dict[bytes, int]):
 
     def places(self, k: Ints) -> Ints:
         """The place of each of some designs (designs, n), -1 where there is none."""
-        return np.array([self.get(key, -1) for key in _keys(k)], np.int64)
+        return np.array([self.get(key, -1) for key in rows_as_bytes(k)], np.int64)
 
     def fresh(self, k: Ints) -> Ints:
         """The rows of those of some designs (designs, n) that are not known, each once, in their order."""
         first: dict[bytes, int] = {}
-        for i, key in enumerate(_keys(k)):
+        for i, key in enumerate(rows_as_bytes(k)):
             if key not in self:
                 first.setdefault(key, i)
         return np.array(list(first.values()), np.int64)
 
     def add(self, k: Ints) -> None:
         """Add designs (designs, n) that are `fresh`."""
-        keys = _keys(k)
+        keys = rows_as_bytes(k)
         self.update(zip(keys, range(len(self), len(self) + len(keys)), strict=True))
 
 
-def _keys(k: Ints) -> list[bytes]:
-    """Heights as bytes, a row each."""
-    rows = np.ascontiguousarray(np.atleast_2d(k), np.int32)
-    return rows.view(f"V{4 * rows.shape[1]}").ravel().tolist()
+def rows_as_bytes(rows: Array | Ints, kind: str = "<i4") -> list[bytes]:
+    """Rows of numbers of a kind (numpy's), such as heights, as bytes: to find them by, and to store."""
+    columns = np.ascontiguousarray(np.atleast_2d(rows), kind)
+    return columns.view(f"V{columns.itemsize * columns.shape[1]}").ravel().tolist()

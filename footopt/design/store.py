@@ -24,7 +24,7 @@ import numpy as np
 
 from footopt.arrays import Array, Ints, Words
 from footopt.compiled import sources, target
-from footopt.design.problem import FootProblem
+from footopt.design.problem import FootProblem, rows_as_bytes
 from footopt.errors import FileError, named, shortened
 from footopt.walk.objectives import MEASURES
 from footopt.walk.own_code import fingerprint, is_own, own_code
@@ -36,7 +36,7 @@ PATIENCE = 30.0  # s, for another process that writes
 ERROR = "error:"  # what the reason of a design begins with whose walk has raised an exception
 #: Parts of a key that are no settings: the same settings may be evaluated by other code, on another machine.
 CODE = ("own", "versions", "machine")
-HEIGHT, VALUE = "<i4", "<f8"  # of heights and values in its tables
+VALUE = "<f8"  # of values in its tables
 ASKED = 1000  # designs at a time: SQLite takes 32,766 arguments
 SHOWN = 4  # differences between two keys that a message names
 _CANONICAL = json.JSONEncoder(sort_keys=True, separators=(",", ":"))
@@ -122,7 +122,7 @@ class Store(AbstractContextManager["Store"]):
         """
         query = "SELECT k, record, reason FROM design WHERE context IN ({}) AND k IN ({}) ORDER BY context=?"
         known: dict[bytes, Sequence[Any]] = {}
-        keys, width = _bytes(k, HEIGHT), len(self.problem.record)
+        keys, width = rows_as_bytes(k), len(self.problem.record)
         with self._explained() as connection:
             for some in (keys[i : i + ASKED] for i in range(0, len(keys), ASKED)):
                 marks = (", ".join("?" * len(names)) for names in (self._read_from, some))
@@ -135,7 +135,7 @@ class Store(AbstractContextManager["Store"]):
 
     def add(self, k: Ints, values: Array, reasons: Words) -> None:
         """Keep designs, all or none; what is known stays, unless its walk had raised an exception."""
-        columns = _bytes(k, HEIGHT), _bytes(values, VALUE), reasons.tolist()
+        columns = rows_as_bytes(k), rows_as_bytes(values, VALUE), reasons.tolist()
         rows = [(self._id, *one) for one in zip(*columns, strict=True)]
         with self._explained() as connection, _transaction(connection):
             connection.executemany(ADD, rows)
@@ -217,12 +217,6 @@ def _transaction(connection: sqlite3.Connection) -> Iterator[None]:
     with connection:
         connection.execute("BEGIN IMMEDIATE")
         yield
-
-
-def _bytes(rows: Array | Ints, kind: str) -> list[bytes]:
-    """Rows of numbers as they are kept."""
-    columns = np.ascontiguousarray(rows, kind)
-    return columns.view(f"V{columns.itemsize * columns.shape[1]}").ravel().tolist()
 
 
 def key_of(problem: FootProblem) -> dict[str, Any]:
