@@ -80,7 +80,7 @@ def is_number(value: object, kind: type = Real) -> bool:
     return isinstance(value, kind) and not isinstance(value, bool)
 
 
-def check_whole(value: Any, setting: str, least: int, most: int, hint: str = "") -> None:
+def check_whole(setting: str, value: Any, least: int, most: int, hint: str = "") -> None:
     """Raise `SettingError` unless `value` is a whole number in a range."""
     good = is_number(value, Integral) and least <= value <= most
     check(good, setting, value, f"a whole number from {least} to {most:,}", hint)

@@ -242,4 +242,4 @@ def largest_change(before: Array, after: Array, none: float = math.nan) -> float
 
 def check_finalists(finalists: int) -> None:
     """Raise a `SettingError` unless so many designs can be walked again by `confirm`."""
-    check_whole(finalists, "study.finalists", 1, 10_000)
+    check_whole("study.finalists", finalists, 1, 10_000)

@@ -163,8 +163,8 @@ def draw(scene: Any, spread: Spread, count: int, seed: int = 1) -> tuple[Scenari
     """
     from scipy.special import ndtri
 
-    check_whole(count, "study.draws", 1, 10_000)
-    check_whole(seed, "seed", 0, 2**32 - 1)
+    check_whole("study.draws", count, 1, 10_000)
+    check_whole("seed", seed, 0, 2**32 - 1)
     tracks = getattr(scene, "gait", None) is not None
     check(tracks, "study.scenarios", "drawn", "sands or laws for a robot that tracks no gait")
     rng = np.random.default_rng(seed)

@@ -130,7 +130,7 @@ def read_strides(
 def _fit(strides: Strides, harmonics: int | None) -> Gait:
     """The gait fitted to the mean of some strides; its residual is against that mean, as measured."""
     harmonics = HARMONICS if harmonics is None else harmonics
-    check_whole(harmonics, "gait.harmonics", 1, 1000)
+    check_whole("gait.harmonics", harmonics, 1, 1000)
     if len(strides.phase) < 2 * harmonics + 2:
         raise Unusable(f"needs at least {2 * harmonics + 2} rows of a stride for {harmonics} harmonics.")
     series: dict[str, Any] = {}

@@ -153,7 +153,7 @@ class Foot:
 
         Those of a sole through waypoints are on its spline.
         """
-        check_whole(steps, "steps", 1, 10**6)
+        check_whole("steps", steps, 1, 10**6)
         if self.space is not None and self.k is not None:
             return np.asarray(self.space.points(self.k, steps * parts)[0])
         return along_arc(self.contour, steps, parts)

@@ -65,8 +65,8 @@ class Waypoints:
 
     def __post_init__(self) -> None:
         hint = "A not-a-knot cubic spline needs four points; the paper's feet have 11."
-        check_whole(self.n, "foot.n", 4, 200, hint)
-        check_whole(self.K, "foot.K", 1, 10**6)
+        check_whole("foot.n", self.n, 4, 200, hint)
+        check_whole("foot.K", self.K, 1, 10**6)
         check_length("foot.L", self.L)
         check_length("foot.H", self.H)
         check_dimensions(self.width, self.ankle, self.top, self.closed)
@@ -123,8 +123,8 @@ class Waypoints:
 
         Raises `SettingError` if hardly any random sole respects the box.
         """
-        check_whole(designs, "designs", 0, 10**9)
-        check_whole(seed, "seed", 0, 2**63)
+        check_whole("designs", designs, 0, 10**9)
+        check_whole("seed", seed, 0, 2**63)
         rng, kept = np.random.default_rng(seed), np.empty((0, self.n), np.int64)
         if not inside:
             return rng.integers(1, self.K + 1, (designs, self.n))

@@ -147,7 +147,7 @@ class Gait:
         """Human walking at 1.03 m/s: Fukuchi, Fukuchi & Duarte, PeerJ 6:e4640 (2018), CC BY 4.0."""
         data = json.loads(HUMAN.read_text(encoding="utf-8"))
         most = len(data["thigh"]["a"])
-        check_whole(harmonics, "gait.harmonics", 1, most, "These are the harmonics of the data.")
+        check_whole("gait.harmonics", harmonics, 1, most, "These are the harmonics of the data.")
         thigh, knee, foot = (
             Fourier(data[j]["a0"], *(tuple(data[j][terms][:harmonics]) for terms in "ab")) for j in JOINTS
         )

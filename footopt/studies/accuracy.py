@@ -49,7 +49,7 @@ class Measurement(NamedTuple):
 def run(study: Study) -> None:
     """Measure all settings and presets, and draw them."""
     count, scene, space = study.options.feet, study.scene, study.space
-    check_whole(count, "study.feet", 1, 10_000)
+    check_whole("study.feet", count, 1, 10_000)
     feet = space.random(count, seed=study.config.solver.seed, inside=True)
     with study.compiling("every stepper"):
         for stepper in STEPPERS:

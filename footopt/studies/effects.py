@@ -86,7 +86,7 @@ class Audit(NamedTuple):
 def run(study: Study) -> None:
     """Audit every effect on random feet."""
     count = study.options.feet
-    check_whole(count, "study.feet", 2, 10_000, "Two can be ranked.")
+    check_whole("study.feet", count, 2, 10_000, "Two can be ranked.")
     scene, space, accuracy, limit = study.scene, study.space, study.accuracy, tolerance(study.config)
     feet = space.random(count, seed=study.config.solver.seed, inside=True)
     effects, found = every_effect(scene), list[Audit]()

@@ -51,7 +51,7 @@ def run(study: Study) -> None:
     config, options = study.config, study.options
     names = config.objective.names
     check(len(names) == 1, "objective", names, "one objective", "Such as objective=efficiency.")
-    check_whole(options.soles, "study.soles", 2, 100_000)
+    check_whole("study.soles", options.soles, 2, 100_000)
     check(options.sands, "study.sands", options.sands, "one sand, or several", "Such as [hard,2.5].")
     robot: Any = study.simulator
     if isinstance(robot, Scene):

@@ -58,7 +58,7 @@ class Accuracy:
         steppers = f"one of {', '.join(STEPPERS)}"
         check(self.stepper in STEPPERS, "accuracy.stepper", self.stepper, steppers)
         check_number("accuracy.dt", self.dt, LEAST_DT, 1.0, "a time step from 1e-9 to 1, in s")
-        check_whole(self.plates, "accuracy.plates", 2, MOST_PLATES, "The paper's is 100.")
+        check_whole("accuracy.plates", self.plates, 2, MOST_PLATES, "The paper's is 100.")
         speed, hint = "a speed from 1e-12 to 1, in m/s", "At zero speed the law is set-valued. Try 1e-4."
         check_number("accuracy.creep", self.creep, LEAST, 1.0, speed, hint)
         if self.control is not None:

@@ -188,7 +188,7 @@ def at_once(given: int | None = None, setting: str = "engine.threads") -> int:
     """How many threads or workers to use, checked; None: as many as processors the process may run on."""
     if given is None:
         return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    check_whole(given, setting, 1, 4096, "Or null: all.")
+    check_whole(setting, given, 1, 4096, "Or null: all.")
     return int(given)
 
 
