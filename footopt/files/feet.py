@@ -110,8 +110,7 @@ def body_outline(foot: Foot, block: Sequence[float] | None = None) -> Array:
     (p, 2), m, runs counter-clockwise and does not repeat its first point. Raises `SettingError` if the block
     does not fit on the top, or if the outline crosses itself or encloses nothing.
     """
-    from shapely import Polygon, box, get_coordinates, is_valid_reason
-    from shapely.geometry.polygon import orient
+    from shapely import Polygon, box, get_coordinates, is_valid_reason, orient_polygons
 
     sole, top = foot.contour, foot.top
     heel, toe, z = sole[0], sole[-1], sole[:, 1]
@@ -132,7 +131,7 @@ def body_outline(foot: Foot, block: Sequence[float] | None = None) -> Array:
     hint = f"Its middle is above the ankle, at {MM * middle:g} mm; length and height are in m."
     check(fits, "foot.block", list(block), on_top, hint)
     body = body.union(box(middle - length / 2, level, middle + length / 2, level + height))
-    return get_coordinates(orient(body).exterior)[:-1]
+    return get_coordinates(orient_polygons(body).exterior)[:-1]
 
 
 def _write_dxf(path: Path, sole: Array, outline: Array) -> None:
