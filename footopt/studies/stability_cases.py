@@ -69,14 +69,14 @@ ALL = (
 )  # fmt: skip
 
 
-def on_sand(zeta: float, *effects: Effect, **more: Any) -> dict[str, Any]:
+def on_sand(zeta: float, *effects: Effect) -> dict[str, Any]:
     """Changes of a scene to a sand, and to effects where some are given."""
-    return {"sand.zeta": zeta, **({"effects": effects} if effects else {}), **more}
+    return {"sand.zeta": zeta, **({"effects": effects} if effects else {})}
 
 
 def standing(zeta: float, *effects: Effect, seconds: float = 10.0) -> dict[str, Any]:
     """Changes of a scene to standing still on a sand."""
-    return on_sand(zeta, *effects, t_f=seconds) | {"gait.start": math.inf}
+    return on_sand(zeta, *effects) | {"t_f": seconds, "gait.start": math.inf}
 
 
 def sole(k: Sequence[int], **space: Any) -> Callable[[], Foot]:
@@ -98,7 +98,7 @@ CASES = (
     Case("gravity 1e4", {"walker.g": 1e4}),
     Case("a step ten times larger", steps=10.0),
     Case("a foot set down at 3 m/s", {"gait": MARCH}),
-    Case("level feet with rest on zeta 500", on_sand(500.0, Rest(), gait=LEVEL)),
+    Case("level feet with rest on zeta 500", on_sand(500.0, Rest()) | {"gait": LEVEL}),
     Case("spiky soles", foot=sole(SPIKES)),
     Case("a comb of 200 waypoints", foot=sole(COMB)),
     Case("200 waypoints of one level", foot=sole((1,) * 200, K=1)),
