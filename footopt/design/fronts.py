@@ -124,17 +124,17 @@ class Choice:
         their natural signs and the columns `record`.
         """
         if self.by == "efficiency":
-            return np.asarray(values[:, list(record).index("efficiency")])
+            return np.asarray(values[:, record.index("efficiency")])
         low, span = f.min(axis=0), np.ptp(f, axis=0)
         scaled = (f - low) / np.where(span > 0.0, span, 1.0)
         if self.by == "knee":
-            return np.asarray(np.sqrt((scaled**2).sum(axis=1)))
+            return np.asarray(np.linalg.norm(scaled, axis=1))
         if self.by == "weights":
             weighted = scaled * [self.weights.get(name, 1.0) for name in names]
             return np.asarray(weighted.max(axis=1) + 1e-4 * weighted.sum(axis=1))
         beyond = np.zeros(len(f))
         for name, limit in self.limits.items():
-            beyond += np.maximum(excess(name, limit, values[:, list(record).index(name)]), 0.0)
+            beyond += np.maximum(excess(name, limit, values[:, record.index(name)]), 0.0)
         return np.asarray(np.where(beyond > 0.0, 2.0 + beyond, scaled[:, 0]))
 
 
