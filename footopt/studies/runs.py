@@ -177,7 +177,7 @@ def in_world_of_run(
         finer = confirming(confirm, build.make_accuracy(AccuracyConfig(**run["accuracy"])))
         world["accuracy"] = dict.fromkeys(run["accuracy"]) | {"name": finer.name}
     foot = run["foot"] | {name: settings["foot"][name] for name in ("k", "block")}
-    found, now = (OmegaConf.create({**settings, **new}) for new in ({**world, "foot": foot}, {}))
+    found, now = OmegaConf.create({**settings, **world, "foot": foot}), OmegaConf.create({**settings})
     for name in given:
         good = "." in name or (name != "scene" and name in {**settings, **SETTING_OF_GROUP})
         chosen = settings["scene"]["name"] if name == "scene" else "chosen"
