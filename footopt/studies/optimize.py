@@ -126,14 +126,14 @@ def _under_laws(study: Study, result: SearchResult, confirmed: Confirmation) -> 
     if chosen is None:
         return found
     foot = replace(Foot.from_waypoints(under.k[chosen], problem.space), name="to print")
-    laws, name = under.entry(chosen), problem.ranking_objective
+    printed, name = under.entry(chosen), problem.ranking_objective
     worst, of_best = float(under.worst[chosen]), float(under.worst[0])
     losses = {"worst_loss": worst, "worst_loss_of_best": of_best}
-    entry = found.entry | {"to_print": {**foot_entry(foot), "laws": laws, **losses}}
+    entry = found.entry | {"to_print": {**foot_entry(foot), "laws": printed, **losses}}
     same = f"To print: this foot. It loses at most {percent(worst)} to the best found for any law."
     if chosen == 0:
         return found._replace(entry=entry, to_print=foot, printed=(same,))
-    own, *others = (law["change"][name] for law in laws)
+    own, *others = (law["change"][name] for law in printed)
     gain = f"{title(name)} {change(name, 1.0 + own, 1.0)} ({terminal.span(name, others)})"
     told = (
         f"{gain}; loses at most {percent(worst)} to the best found for any law, the first {percent(of_best)}."
