@@ -55,9 +55,9 @@ def allowed(problem: Any, X: Ints) -> Bools:
 
 
 def exchanged(X: Ints, others: Ints, random_state: Any) -> Ints:
-    """Designs with one run of neighbouring waypoints, of any length, of others: a stretch of the sole."""
-    runs = shifts(X.shape[1])[::2]
-    return np.where(runs[random_state.integers(len(runs), size=len(X))] > 0, others, X)
+    """Designs (..., designs, n) with one run of neighbouring waypoints, of any length, of others."""
+    runs = shifts(X.shape[-1])[::2]
+    return np.where(runs[random_state.integers(len(runs), size=X.shape[-2])] > 0, others, X)
 
 
 def shifted(X: Ints, random_state: Any) -> Ints:
@@ -89,9 +89,7 @@ class ExchangeRun(Crossover):
         super().__init__(n_parents=2, n_offsprings=2, prob=0.9)
 
     def _do(self, problem: Any, X: Ints, random_state: Any = None, **kwargs: Any) -> Ints:
-        runs = shifts(problem.n_var)[::2]
-        exchange = runs[random_state.integers(len(runs), size=X.shape[1])] > 0
-        return np.where(exchange, X[::-1], X)
+        return exchanged(X, X[::-1], random_state)
 
 
 class ShiftRun(Mutation):
