@@ -111,11 +111,11 @@ class Choice:
         """Raise a `SettingError` unless these objectives and the `known` measures allow the choice."""
         there = self.by != "efficiency" or "efficiency" in known
         check(there, "choose", self.by, "knee or another rule, as these walks have no efficiency")
-        for setting, given in (("weights", self.weights), ("limits", self.limits)):
-            for name in given:
+        for setting in ("weights", "limits"):
+            for name in getattr(self, setting):
                 check(name in names, f"choose.{setting}", name, f"one of {', '.join(names)}")
-                if setting == "limits":
-                    MEASURES[name].check_limit(f"choose.limits.{name}", given[name])
+        for name, limit in self.limits.items():
+            MEASURES[name].check_limit(f"choose.limits.{name}", limit)
 
     def scores(self, f: Array, values: Array, names: Sequence[str], record: Sequence[str]) -> Array:
         """How far designs are from the choice, (designs,): the least is chosen.
