@@ -124,6 +124,14 @@ def _plain(name: str) -> str:
     return re.sub(r"[^a-z0-9]+", "_", name.lower().replace("²", "2").replace("^", "")).strip("_")
 
 
+def relative(path: str | Path, base: str | Path = ".") -> str:
+    """The way from a folder to a path; all of the path where it is on another drive, as on Windows."""
+    try:
+        return os.path.relpath(path, base)
+    except ValueError:
+        return os.path.abspath(path)
+
+
 def load_module(name: str, setting: str) -> ModuleType:
     """Import a module, or a Python file, whose folder is added to the module path, in worker processes too.
 
@@ -169,14 +177,6 @@ def write_bytes(path: Path, content: bytes) -> None:
     """Write a file as a whole, or not at all."""
     with write_whole(path) as new:
         new.write_bytes(content)
-
-
-def relative(path: str | Path, base: str | Path = ".") -> str:
-    """The way from a folder to a path; all of the path where it is on another drive, as on Windows."""
-    try:
-        return os.path.relpath(path, base)
-    except ValueError:
-        return os.path.abspath(path)
 
 
 def write_text(path: Path, text: str) -> None:
