@@ -19,8 +19,8 @@ class LeadingEdgeLaw(NamedTuple):
 class LeadingEdge(Effect, name="leading_edge"):
     """Only faces that lead, n.v > 0, feel sand: a face that trails leaves a gap behind it and is not pulled.
 
-    Smoothed over the speeds along the normal that a plate holds (`footopt.walk.contact`), at least the creep
-    speed, so that implicit steps converge: all of the stress at n.v >= w, none at n.v <= -w.
+    Smoothed over the width w of the speeds along the normal within a plate (`footopt.walk.contact`), at least
+    the creep speed, so that implicit steps converge: all of the stress at n.v >= w, none at n.v <= -w.
 
     Source: the leading-edge hypothesis of RFT in Agarwal, Goldman & Kamrin, PNAS 120 (2023), and of
     granular RFT codes before it; without it (the paper) a foot that is lifted out of the sand is pulled

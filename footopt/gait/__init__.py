@@ -16,7 +16,7 @@ With r = T/2, S5(s) = 10 s^3 - 15 s^4 + 6 s^5 and I5 its integral,
     phase_left = 1/4 + I5(s)/2 until t = t0 + r, then 1/2 + (t - t0 - r)/T
     angles = (1 - w) standing + w cycle(phase),  w_left = S5(q), w_right = S5(s)
 
-The left foot's weight ends sooner because it carries the body; angles and rates are continuous for
+The left leg is in the cycle sooner because it carries the body; angles and rates are continuous for
 every T. The paper's walker "first stands with the left leg steadily" and starts at 0.5 s.
 """
 
@@ -60,7 +60,7 @@ class Fourier(NamedTuple):
         a0, *ab = map(float, solution)
         return cls(a0, tuple(ab[:harmonics]), tuple(ab[harmonics:]))
 
-    def at(self, phase: Array, waves: list[tuple[float, Array, Array]] | None = None) -> tuple[Array, Array]:
+    def at(self, phase: Array, waves: list[tuple[float, Array, Array]] | None = None) -> Angle:
         """Angle (rad) and its derivative in the phase (rad per stride); `waves` keep what series share."""
         value, rate, kept = np.full_like(phase, self.a0), np.zeros_like(phase), [] if waves is None else waves
         for k, (a, b) in enumerate(zip(self.a, self.b, strict=True)):
@@ -222,7 +222,7 @@ def ramp(t: Array, t0: float, period: float) -> tuple[Array, Array, Array, Array
     s, q = np.clip(since / r, 0.0, 1.0), np.clip(since / (period / 3.0), 0.0, 1.0)
     phase = 0.25 + 0.5 * s**4 * (2.5 - 3.0 * s + s * s) + np.maximum(since - r, 0.0) / period
     (w_right, right_rate), (w_left, left_rate) = smooth_step(s), smooth_step(q)
-    phase_rate = smooth_step(s)[0] / period
+    phase_rate = w_right / period
     return (
         np.stack([phase, phase + 0.5], axis=-1),
         np.stack([phase_rate, phase_rate], axis=-1),

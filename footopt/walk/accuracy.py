@@ -163,7 +163,7 @@ def resolve(accuracy: AnyAccuracy | str, setting: str = "accuracy") -> AnyAccura
         check(accuracy in PRESETS, setting, accuracy, f"one of {', '.join(PRESETS)}")
         return PRESETS[accuracy]
     kinds = "an Accuracy, a Tolerance, or a preset's name"
-    check(isinstance(accuracy, (Accuracy, Tolerance)), "accuracy", accuracy, kinds, 'Try "standard"')
+    check(isinstance(accuracy, (Accuracy, Tolerance)), setting, accuracy, kinds, 'Try "standard"')
     return accuracy
 
 

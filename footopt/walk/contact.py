@@ -256,19 +256,19 @@ def static_height(world, sole, poses, e0):
     below, above, side = np.nan, -weight, 0
     z = low
     for _ in range(200):
-        missing = _limit_force(world, sole, poses, z, e0) - weight
+        excess = _limit_force(world, sole, poses, z, e0) - weight
         if np.isnan(below):  # at the surface
-            if high <= low or missing < 0.0:
+            if high <= low or excess < 0.0:
                 return np.nan
-            below = missing
-        elif abs(missing) <= 1e-13 * weight:
+            below = excess
+        elif abs(excess) <= 1e-13 * weight:
             return z
-        elif missing > 0.0:
+        elif excess > 0.0:
             above *= 0.5 if side > 0 else 1.0  # the other end has stayed twice: halve its value
-            low, below, side = z, missing, 1
+            low, below, side = z, excess, 1
         else:
             below *= 0.5 if side < 0 else 1.0
-            high, above, side = z, missing, -1
+            high, above, side = z, excess, -1
         z = (low * above - high * below) / (above - below)
         if not low < z < high:
             return z

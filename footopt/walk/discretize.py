@@ -105,15 +105,13 @@ def soles(plates: Plates) -> Sole:
     """Plates of all designs in whole blocks (the last one repeated without area), each in a rectangle."""
     count = plates.x.shape[1]
     order = np.minimum(np.arange(count + -count % LANES), count - 1)
-    columns = [np.take(column, order, axis=1) for column in plates[:-2]]
-    x, z, _, _, area, *_ = columns
-    area[:, count:] = 0.0
-    blocks = [column.reshape(len(column), -1, LANES) for column in (x, z)]
-    (low_x, low_z), (high_x, high_z) = ([q.min(axis=2) for q in blocks], [q.max(axis=2) for q in blocks])
-    middle, half = (0.5 * (low_x + high_x), 0.5 * (low_z + high_z)), (high_x - low_x, high_z - low_z)
+    rows = np.take(np.stack(plates[:-2], axis=1), order, axis=2)
+    rows[:, 4, count:] = 0.0  # their area
+    places = rows[:, :2].reshape(len(rows), 2, -1, LANES)
+    low, high = places.min(axis=3), places.max(axis=3)
     return Sole(
-        plates=np.stack(columns, axis=1),
-        blocks=np.stack([*middle, *(0.5 * size for size in half)], axis=1),
+        plates=rows,
+        blocks=np.concatenate([0.5 * (low + high), 0.5 * (high - low)], axis=1),
         reach=np.sqrt(np.max(plates.x**2 + plates.z**2, axis=1)),
         span=plates.span,
         width=plates.width,

@@ -89,8 +89,6 @@ def walk_designs(method, soles, world, course, out, begin, end):
     within = np.empty((len(course.nodes), 2, 7))
     for d in range(begin, end):
         sole, count = sole_at(soles, d), out.counts[d]
-        for column in range(out.raw.shape[1]):
-            out.raw[d, column] = np.nan
         state, extremes = _standing(world, sole, course.start, count), NO_EXTREMES
         status = OK if state.solved else SUNK
         if state.solved:
@@ -216,7 +214,7 @@ def walk_batch(
     nodes, finest = np.array(STEPPERS[accuracy.stepper].nodes), discretize.HALVINGS if tabled else 0
     course = Course(times, pose0, tables, nodes, tabled, finest, control, path.gait.heel_strike, sink)
     out = Output(
-        raw=np.empty((designs, len(RAW))),
+        raw=np.full((designs, len(RAW)), np.nan),
         status=np.empty(designs, np.int64),
         counts=np.zeros(designs, COUNTS),
         trace=np.full((rows, COLUMNS), np.nan),

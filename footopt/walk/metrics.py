@@ -107,8 +107,7 @@ def hermite_extreme(v0, v1, a0, a1, h):
     r = h * (a0 + a1) - 2.0 * rise
     root = np.sqrt(max(q * q - 3.0 * p * r, 0.0))  # p + 2 q s + 3 r s^2 = 0
     s = -p / (q + root) if a0 < 0.0 else -p / (q - root)
-    s = min(max(s, 0.0), 1.0) if np.isfinite(s) else 0.0
-    return v0 + s * (p + s * (q + s * r))
+    return hermite(v0, v1, a0, a1, h, min(max(s, 0.0), 1.0) if np.isfinite(s) else 0.0)[0]
 
 
 @inlined

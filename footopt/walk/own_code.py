@@ -192,7 +192,7 @@ def fingerprint(own: Any, within: tuple[Any, ...] = ()) -> tuple[str, str]:
 def _read(function: Any) -> list[Any]:
     """What a function reads of its module: of a notebook all, of a file what a script may change in it.
 
-    That are the numbers, texts, tuples and arrays that it, and the functions and classes there that it uses,
+    These are the numbers, texts, tuples and arrays that it, and the functions and classes there that it uses,
     read and that none sets. Others, such as lists and dictionaries, often keep what has been computed: one
     counts as it was when the file was imported, until the name stands for another one.
     """

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from footopt.foot import Foot
-from footopt.walk.accuracy import AnyAccuracy
+from footopt.walk.accuracy import PRESETS, AnyAccuracy
 from footopt.walk.checks import Diagnostic
 from footopt.walk.objectives import FIVE, sizes
 from footopt.walk.results import Walk
@@ -15,7 +15,7 @@ from footopt.walk.simulator import Simulator
 
 #: A warning is due where the estimate is this many times what the accuracy promises.
 BEYOND = 10.0
-PROMISE = 0.005  # relative, of an accuracy without a name: that of `standard`
+PROMISE = PRESETS["standard"].error  # relative, of an accuracy without a tolerance
 
 WHY = "try accuracy=fine, or a smaller accuracy.dt or accuracy.creep, or more accuracy.plates"
 

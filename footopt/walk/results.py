@@ -235,8 +235,8 @@ class Walk:
         i = np.atleast_1d(index)
         bristles = None if self.bristles is None else self.bristles[i].astype(np.float64)
         constants = self.world.constants(self.accuracy)
-        state = self.sole, self.pose(i), self.com[i], self.velocity[i], constants, self.transition_speed
-        return plate_states(*state, bristles=bristles)
+        hip, speed = (self.com[i], self.velocity[i]), self.transition_speed
+        return plate_states(self.sole, self.pose(i), *hip, constants, speed, bristles=bristles)
 
     @property
     def transition_speed(self) -> float:

@@ -1,4 +1,4 @@
-"""The parts of the compiled walk: plain tuples with names. Columns have numbers here and nowhere else."""
+"""The parts of the compiled walk: plain tuples with names."""
 
 from typing import Any, NamedTuple
 
