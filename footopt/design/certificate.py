@@ -44,7 +44,7 @@ class Certificate:
         known = f"{self.soles:,} soles, {self.inside:,} in their box, {self.walks:,} evaluated for this"
         if self.finely:
             known += f", {self.finely:,} of them within {100 * self.margin:.2g} % also at {self.accuracy}"
-        found = f"; {self.steps} better ones replaced what the search had found" if self.steps else ""
+        found = f"; better ones found in it: {self.steps}" if self.steps else ""
         if self.holds:
             near += ", or by a shift of a run of its waypoints by one level"
             return f"Certificate: no sole that differs in {near}, is better ({known}{found})"
