@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from random_scenes import judge
+from random_scenes import draw, judge
 
 import footopt as fo
 from footopt.walk.checks import diagnose
@@ -35,6 +35,12 @@ def waves(n=40):
     return [fo.Foot.from_waypoints(k, fo.Waypoints(n=n)) for k in heights]
 
 
+def drawn(number, foot):
+    """A foot of a random scene, in which the power jumps."""
+    found = draw(number)
+    return [found.foot(foot)], found.scene
+
+
 STEP = fo.Patches((0.5,), (9.0,), (10.0,), blur=1e-4)
 
 #: Feet and scene.
@@ -51,6 +57,9 @@ CASES = {
         measured(353.0, 8.0, 9.81, fo.LeadingEdge()),
     ),
     "a cliff on Mars": (soles(), measured(233.0, 60.0, 3.71, STEP, fo.LeadingEdge(), fo.Inertia())),
+    "a layer under 5 waypoints": drawn(17009, 1),
+    "a patch on zeta 151": drawn(17081, 1),
+    "grooves that trail": drawn(17040, 1),
 }
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import footopt as fo
+from footopt.walk import discretize
 from footopt.walk.checks import diagnose
 from footopt.walk.discretize import TABLED, time_grid
 from footopt.walk.newton import NEWTON
@@ -112,6 +113,21 @@ class TestTraces:
         table = fo.evaluate([ramp_foot], walk.scene, accuracy)
         assert table.counts["shortened"][0] == walk.counts["shortened"]
         assert table.evaluations[0] == walk.evaluations
+
+    @pytest.mark.slow
+    def test_poses_between_those_of_the_tables_are_those_of_the_gait(self, monkeypatch):
+        """Compared with tables for every halving."""
+        scene, values = fo.Scene(sand=fo.Sand.named("hard"), effects=[fo.LeadingEdge()]), []
+        for tabled in (discretize.TABLED, discretize.HALVINGS):
+            monkeypatch.setattr(discretize, "TABLED", tabled)
+            discretize.pose_tables.cache_clear()
+            feet = fo.Waypoints().random(20, seed=1)
+            table = fo.evaluate(feet, scene, fo.Accuracy(dt=0.0125, control=1e-5), space=fo.Waypoints())
+            assert table.feasible.all()
+            values.append(table.values)
+        discretize.pose_tables.cache_clear()
+        assert (values[0] != values[1]).any()
+        np.testing.assert_allclose(values[0], values[1], rtol=5e-6)
 
     def test_long_steps_while_standing_change_nothing(self, ramp_foot, monkeypatch):
         scene = fo.Scene(t_f=2.8)  # a scene of its own: pose tables are cached
