@@ -46,7 +46,7 @@ LIMITS = {
 }
 SETTLED = 0.1  # of every limit: refinements of a truth change no measure by more
 TWICE = 2  # times in a row: once may be chance
-MOST_WORK = 3e8  # evaluations of a plate in a walk that is refined once more
+MOST_WORK = 2e9  # evaluations of a plate in a walk that is refined once more
 
 STANDS = "Behind a case: the change when its reference is refined once more."
 
