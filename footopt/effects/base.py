@@ -25,6 +25,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, is_dataclass
 from functools import reduce
+from inspect import getmembers, isfunction
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -169,8 +170,10 @@ def laws(effects: Sequence[Effect]) -> Laws:
     """The laws of a scene's effects, as the compiled loop takes them."""
     found = [effect.law for effect in effects if effect.law is not None]
     for law in found:
-        if not any(hasattr(law, hook) for hook in HOOKS):
-            raise SettingError("effects", type(law).__name__, f"a law with a method {', '.join(HOOKS)}")
+        methods = {name for name, _ in getmembers(type(law), isfunction) if name[0] != "_"}
+        if methods - {*HOOKS} or not any(hasattr(law, hook) for hook in HOOKS):
+            hint = f"It has {', '.join(sorted(methods)) or 'none'}."
+            raise SettingError("effects", type(law).__name__, f"a law with methods {', '.join(HOOKS)}", hint)
         if not type(law).__module__.startswith("footopt."):
             _check_at_surface(law)
     return Laws(*(tuple(law for law in found if hasattr(law, hook)) or None for hook in HOOKS))

@@ -139,6 +139,16 @@ class TestAnEffectOfOnesOwn:
         with pytest.raises(SettingError, match=r"AirLaw\.load.*0 at a depth of 0"):
             laws((Airy(),))
 
+    def test_whose_law_has_a_method_that_nothing_calls_is_refused(self, own):
+        law = type("PushyLaw", (own.DampLaw,), {"pish": lambda self, vn, depth: 0.0})(1.0, 1.0)
+
+        class Pushy(own.Damp):
+            pass
+
+        Pushy.law = law
+        with pytest.raises(SettingError, match=r"'PushyLaw'.*load, gate, push.*pish, push"):
+            laws((Pushy(),))
+
     @pytest.mark.slow  # of compiling
     def test_classes_of_one_function_differ_by_what_they_close_over(self, flat_foot):
         works = {}
