@@ -159,12 +159,14 @@ class Contact:
 
     def detach(self) -> None:
         """Take the sand away from this MjData."""
+        import mujoco
+
         with _LOCK:
             if _KEPT.get(self.data._address) is self:
                 del _KEPT[self.data._address]
                 ATTACHED[ATTACHED[:, 0] == self.data._address, 0] = 0
-                if not _KEPT:
-                    needed("mujoco", "footopt.mujoco", "mujoco").set_mjcb_passive(None)
+                if not _KEPT and mujoco.get_mjcb_passive() == callback():  # not one that was set since
+                    mujoco.set_mjcb_passive(None)
 
     def lift(self, weight: float) -> float:
         """How far to lift the robot, m, for sand to carry a weight, N, as its feet sink; NaN: it cannot."""

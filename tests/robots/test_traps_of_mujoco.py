@@ -141,6 +141,16 @@ def test_a_second_attachment_takes_the_place_of_the_first(block):
     assert falls(model, data)
 
 
+def test_a_callback_that_is_set_later_stays_when_the_sand_is_detached(block):
+    _, _, contact = block(height=0.03)
+    mujoco.set_mjcb_passive(lambda model, data: None)
+    try:
+        contact.detach()
+        assert mujoco.get_mjcb_passive() is not None
+    finally:
+        mujoco.set_mjcb_passive(None)
+
+
 def test_a_step_that_is_asked_for_again_gets_the_same_force(block):
     """As by `mj_forward` before a picture is drawn: nothing of the sand moves on."""
     for integrator in ("Euler", "RK4", "implicit", "implicitfast"):
