@@ -297,7 +297,8 @@ def _descended(
                 values, cost = at(below)
                 tried.append(Found(below, worst(_changed(values, ups), ALIKE), cost))
         lowest = min((one for one in tried if one.error <= allowed or one is last), key=lambda one: one.work)
-        lowest = lowest if affordable(lowest) else last
+        if not affordable(lowest):
+            break
     return lowest if lowest.work <= WORTH * found.work else found
 
 
