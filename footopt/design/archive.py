@@ -74,9 +74,10 @@ class Designs(NamedTuple):
     violation: Array
     generation: Ints
 
-    def joined(self, new: Self) -> Self:
-        """These and others."""
-        return type(self)._make(np.concatenate(columns) for columns in zip(self, new, strict=True))
+    @classmethod
+    def joined(cls, parts: Sequence[Self]) -> Self:
+        """All designs of some parts."""
+        return cls._make(np.concatenate(columns) for columns in zip(*parts, strict=True))
 
 
 def causes(counts: Mapping[str, int]) -> str:
@@ -92,7 +93,8 @@ class Archive:
         self.problem, self._walk = problem, walk
         self.history: list[Generation] = []
         k, values = np.empty((0, problem.space.n), np.int64), np.empty((0, len(problem.record)))
-        self.designs = Designs(k, values, np.empty(0, np.str_), np.empty(0), np.empty(0, np.int64))
+        # each generation's; joined at the end only
+        self.found = [Designs(k, values, np.empty(0, np.str_), np.empty(0), np.empty(0, np.int64))]
         # of these, minimised objectives and constraints
         self._f, self._g = np.empty((0, problem.n_obj)), np.empty((0, problem.n_ieq_constr))
         self.known = Known()  # where a design is in `designs`
@@ -114,7 +116,7 @@ class Archive:
             values, reasons = self._walk(new)
             self.known.add(new)
             violation, generation = problem.space.box_violation(new), np.full(len(new), len(self.history) + 1)
-            self.designs = self.designs.joined(Designs(new, values, reasons, violation, generation))
+            self.found.append(Designs(new, values, reasons, violation, generation))
             self._f = np.concatenate([self._f, problem.minimised(values)])
             self._g = np.concatenate([self._g, problem.constraints(values, reasons, violation)])
         self._latest = self.known.places(k)
@@ -150,7 +152,7 @@ class Archive:
     def result(self, solver: Solver, seconds: float, interrupted: bool, reused: int) -> SearchResult:
         """Everything that was evaluated up to the last finished generation, and the best of it."""
         generations, count, front = self._closed
-        designs = Designs._make(column[:count] for column in self.designs)
+        designs = Designs._make(column[:count] for column in Designs.joined(self.found))
         reasons = self.problem.reasons(designs.values, designs.reasons, designs.violation)
         if not len(front) and interrupted:
             raise KeyboardInterrupt("before a feasible design was found")

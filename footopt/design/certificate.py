@@ -145,4 +145,4 @@ def joined(result: SearchResult, k: Ints, values: Array, reasons: Words) -> Sear
     new = Designs(k, values, reasons, problem.space.box_violation(k), result.generation[-1:])
     better = problem.scores(values)[0] < problem.scores(result.values[[result.best]])[0]
     best = len(result.k) if better else result.best
-    return replace(result, **old.joined(new)._asdict(), best=best, front=np.array([best]))
+    return replace(result, **Designs.joined([old, new])._asdict(), best=best, front=np.array([best]))

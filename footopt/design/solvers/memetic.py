@@ -86,8 +86,8 @@ class Moves(Algorithm):
 
     def _drawn(self, count: int) -> Ints:
         """New designs drawn at random."""
-        drawn = RandomInside().do(self.problem, 4 * count, random_state=self.random_state)
-        return self._propose_now(self._fresh(drawn.get("X"))[:count])
+        drawn = RandomInside()._do(self.problem, 4 * count, self.random_state)
+        return self._propose_now(self._fresh(drawn)[:count])
 
     def _fresh(self, X: Ints) -> Ints:
         """The designs (designs, n) that are allowed and were not proposed before, each once."""
