@@ -165,7 +165,7 @@ def foot_force(law, acting, part, ankle, transition, stage, e0):
     law: the stress map times zeta, N/m^3. acting: `Laws` of the scene's effects. part: the plates. ankle: in
     the world. transition, stage: see `contact`. e0: bristles of these plates, (e_x, e_z), or None.
     """
-    x = z = power = xx = xz = zx = zz = 0.0
+    x = z = power = xx = xz = zx = zz = along_x = along_z = 0.0
     for i in range(len(part.x)):
         fx, fz, motion, _, _ = plate_force(law, acting, part, i, ankle, transition, stage, e0)
         x += value(fx)
@@ -175,7 +175,10 @@ def foot_force(law, acting, part, ankle, transition, stage, e0):
         xz += lift(fx).dz
         zx += lift(fz).dx
         zz += lift(fz).dz
-    return Force(x, z, power, xx, xz, zx, zz)
+        if acting.gates is not None:
+            along_x += lift(fx).dx * motion.vx + lift(fz).dx * motion.vz
+            along_z += lift(fx).dz * motion.vx + lift(fz).dz * motion.vz
+    return Force(x, z, power, xx, xz, zx, zz, along_x, along_z)
 
 
 @inlined

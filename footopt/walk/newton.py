@@ -141,16 +141,15 @@ def _speed(foot, both):
 
 @inlined
 def _extrapolated(force, dvx, dvz):
-    """A foot's force after a small change of the velocity, to first order."""
-    return Force(
-        force.x + (force.xx * dvx + force.xz * dvz),
-        force.z + (force.zx * dvx + force.zz * dvz),
-        force.power,
-        force.xx,
-        force.xz,
-        force.zx,
-        force.zz,
-    )
+    """A foot's force after a small change of the velocity, to first order, and its power there.
+
+    All plates change their velocity alike. How their forces change counts for the power where gates open:
+    without gates, forces turn with the motion, and stay as large along it.
+    """
+    x = force.x + (force.xx * dvx + force.xz * dvz)
+    z = force.z + (force.zx * dvx + force.zz * dvz)
+    power = force.power + (force.along_x * dvx + force.along_z * dvz) + (x * dvx + z * dvz)
+    return Force(x, z, power, force.xx, force.xz, force.zx, force.zz, force.along_x, force.along_z)
 
 
 class Plate(NamedTuple):

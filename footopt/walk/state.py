@@ -104,6 +104,8 @@ class Force(NamedTuple):
     xz: float
     zx: float
     zz: float
+    along_x: float  # N: sum of v df/dv_x, by which gates change the power with v_x; 0 without gates
+    along_z: float
 
 
 class Reversal(NamedTuple):
@@ -123,7 +125,7 @@ class Contact(NamedTuple):
 
 
 #: Feet in the air.
-ALOFT = Contact(Force(*[0.0] * 7), Force(*[0.0] * 7), Reversal(NO_FOOT, 0.0, 0.0))
+ALOFT = Contact(Force(*[0.0] * 9), Force(*[0.0] * 9), Reversal(NO_FOOT, 0.0, 0.0))
 
 
 class Integrals(NamedTuple):

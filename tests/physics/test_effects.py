@@ -57,16 +57,16 @@ class TestStrength:
 class TestContact:
     @given(SOLES, HEIGHT, PITCH, RATE, SPEED, SPEED, PLACE, st.sampled_from([1e-3, 1e-2]))
     def test_has_an_exact_jacobian(self, foot, height, pitch, rate, vx, vz, x, stage):
-        """In an implicit stage the place follows the velocity: d/dV of F(r0 + c V, V)."""
+        """In an implicit stage the place follows the velocity: d/dV of F(r0 + c V, V), and of its power."""
         plates, pose, creep, d = foot.plates(40), pose_of(height, pitch, rate), 1e-1, 1e-6
 
         def moved(dx, dz):
             follow = {"creep": creep, "stage": stage, "x": x + stage * dx, "z": stage * dz}
-            return force(plates, pose, vx + dx, vz + dz, *ALL, **follow)
+            return feel(plates, pose, vx + dx, vz + dz, *ALL, **follow)[0][:3]
 
         found = feel(plates, pose, vx, vz, *ALL, creep=creep, stage=stage, x=x)[0]
         slopes = [(moved(d, 0) - moved(-d, 0)) / (2 * d), (moved(0, d) - moved(0, -d)) / (2 * d)]
-        jacobian = found[3:].reshape(2, 2)
+        jacobian = np.vstack([found[3:7].reshape(2, 2), found[7:] + found[:2]])
         tolerance = 1e-5 * np.abs(jacobian).max() + 1e-4
         np.testing.assert_allclose(jacobian, np.stack(slopes, axis=1), rtol=0, atol=tolerance)
 

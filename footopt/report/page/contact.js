@@ -2,7 +2,8 @@
 // Functions have the names that they have there. All constants are the run's own, in data.physics.
 
 const P = data.physics ?? {};
-const [LEFT_POWER, RIGHT_POWER] = [2, 9]; // of both feet's forces: x, z, power, xx, xz, zx, zz of the left, then the right
+// of both feet's forces: x, z, power, xx, xz, zx, zz of the left, then the right; last along_x, along_z of both
+const [LEFT_POWER, RIGHT_POWER, ALONG, FORCES] = [2, 9, 14, 18];
 
 // --- the gait: footopt/gait ----------------------------------------------------------------------------------
 
@@ -196,14 +197,14 @@ function world(zeta, mass) {
   return { mass, ...Object.fromEntries(Object.entries(P.sand.law).map(([name, c]) => [name, unit * c])) };
 }
 
-/** F = sum f over a foot's plates (the paper's eqs. 1 and 2), its power and derivatives, into 7 places of `out`. */
-function footForce(W, sole, poses, p, hipX, hipZ, hipVx, hipVz, creep, c, out, o, each) {
+/** F = sum f over a foot's plates (the paper's eqs. 1 and 2), its power and derivatives, into `out`. */
+function footForce(W, sole, poses, p, hipX, hipZ, hipVx, hipVz, creep, c, out, foot, each) {
   const { x: X, z: Z, c2: C2, s2: S2, area, tx, tz } = sole, { A00, A10, B01, B_sum, B_diff, C01, C_sum, C_diff, D10 } = W;
   const ax = hipX + poses[p], az = hipZ + poses[p + 1], avx = hipVx + poses[p + 2], avz = hipVz + poses[p + 3];
   const cos = poses[p + 4], sin = poses[p + 5], rate = poses[p + 6];
   const c2p = cos * cos - sin * sin, s2p = 2 * sin * cos;
   const along = rate * sole.span, { turn, exposed, bent } = P.accuracy, eps2 = creep * creep + (turn * along) ** 2;
-  let fx = 0, fz = 0, power = 0, jxx = 0, jxz = 0, jzx = 0, jzz = 0;
+  let fx = 0, fz = 0, power = 0, xx = 0, xz = 0, zx = 0, zz = 0, alongX = 0, alongZ = 0;
   for (let i = 0; i < X.length; i++) {
     const rise = sin * X[i] + cos * Z[i], depth = -(az + rise);
     if (depth <= 0) continue;
@@ -225,7 +226,7 @@ function footForce(W, sole, poses, p, hipX, hipZ, hipVx, hipVz, creep, c, out, o
       byDepth = load[1];
       byX = load[2];
     }
-    let kq = k * q, fxi = 0, fzi = 0; // dh/dv = (I - h h^T) / |v|
+    let kq = k * q, fxi = 0, fzi = 0, jxx = 0, jxz = 0, jzx = 0, jzz = 0; // dh/dv = (I - h h^T) / |v|
     if (gates.length || pushes.length) {
       const nx = sin * tx[i] + cos * tz[i], nz = sin * tz[i] - cos * tx[i], vn = vx * nx + vz * nz; // outward normal
       if (gates.length) {
@@ -270,14 +271,21 @@ function footForce(W, sole, poses, p, hipX, hipZ, hipVx, hipVz, creep, c, out, o
     jxz -= kq * (mxz - turnedX * hz);
     jzx -= kq * (mzx - turnedZ * hx);
     jzz -= kq * (mzz - turnedZ * hz);
+    xx += jxx;
+    xz += jxz;
+    zx += jzx;
+    zz += jzz;
+    if (gates.length) [alongX, alongZ] = [alongX + jxx * vx + jzx * vz, alongZ + jxz * vx + jzz * vz];
   }
+  const o = 7 * foot, a = ALONG + 2 * foot;
   out[o] = fx; out[o + 1] = fz; out[o + 2] = power;
-  out[o + 3] = jxx; out[o + 4] = jxz; out[o + 5] = jzx; out[o + 6] = jzz;
+  out[o + 3] = xx; out[o + 4] = xz; out[o + 5] = zx; out[o + 6] = zz;
+  out[a] = alongX; out[a + 1] = alongZ;
 }
 
 /** The force of the sand on both feet. */
 function contact(W, sole, poses, p, x, z, vx, vz, creep, c, out) {
-  for (const foot of [0, 1]) footForce(W, sole, poses, p + 7 * foot, x, z, vx, vz, creep, c, out, 7 * foot);
+  for (const foot of [0, 1]) footForce(W, sole, poses, p + 7 * foot, x, z, vx, vz, creep, c, out, foot);
 }
 
 /** The speed over which a plate's direction turns; a gate opens over no less. */

@@ -2,8 +2,8 @@
 
 // --- one step: footopt/walk/newton.py, steppers/implicit.py -----------------------------------------
 
-const spare = new Float64Array(7);
-const implicit = { vx: 0, vz: 0, force: new Float64Array(14), reversal: null };
+const spare = new Float64Array(FORCES);
+const implicit = { vx: 0, vz: 0, force: new Float64Array(FORCES), reversal: null };
 
 /** Mean speed of a foot's plates, |P| / |F|: longer where it carries little of the force on both feet. */
 function meanSpeed(F, o, both) {
@@ -76,9 +76,10 @@ function solveStage(W, sole, poses, p, x0, z0, vx0, vz0, c, vx, vz, reversal) {
         implicit.vz = vz + dvz;
         const [wx, wz] = plate ? directionOf(plate, implicit.vx, implicit.vz) : [1, 0];
         implicit.reversal = wx * wx + wz * wz > inside * inside ? null : { foot: plate.foot, x: wx, z: wz };
-        for (const o of [0, 7]) { // carried along the last step, to first order
+        for (const [o, a] of [[0, ALONG], [7, ALONG + 2]]) { // carried along the last step, to first order
           F[o] += F[o + 3] * dvx + F[o + 4] * dvz;
           F[o + 1] += F[o + 5] * dvx + F[o + 6] * dvz;
+          F[o + 2] += F[a] * dvx + F[a + 1] * dvz + (F[o] * dvx + F[o + 1] * dvz);
         }
         return true;
       }
@@ -173,7 +174,7 @@ const TRACE = 13, EVERY = 2; // steps: forces along soles cost as much as one of
 /** Walk with plates: why it failed, its raw results, rows of `TRACE` numbers, and the forces along both soles at some of their times. */
 function walkPlates(sole, zeta, mass, dt = P.accuracy.dt, repeat = 0) {
   const W = world(zeta, mass), { times, tabled, finest, tables, poses, pose0 } = motion(dt), { control } = P.accuracy;
-  let [now, after] = [0, 1].map(() => ({ x: 0, z: 0, vx: 0, vz: 0, force: new Float64Array(14), sums: new Float64Array(4), reversal: null }));
+  let [now, after] = [0, 1].map(() => ({ x: 0, z: 0, vx: 0, vz: 0, force: new Float64Array(FORCES), sums: new Float64Array(4), reversal: null }));
   const { parts, of } = groups(sole.x.length), row = 1 << (finest - tabled), most = (times.length - 1) << tabled, rows = new Float64Array(TRACE * most);
   const when = [], arrows = new Float64Array(4 * parts * (Math.ceil(most / EVERY) + 1));
   const height = staticHeight(W, sole, pose0), strike = P.strike ?? Infinity;
