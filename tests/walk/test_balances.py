@@ -151,6 +151,15 @@ class TestNewton:
         assert not walks[1].counts["repeats"].any()
         assert not walks[1].counts["unsolved"].any()
 
+    @pytest.mark.parametrize(("effects", "share"), [((), 1e-3), ((fo.LeadingEdge(),), 1e-12)])
+    def test_the_power_of_a_foot_that_does_not_turn_is_force_times_velocity(self, flat_foot, effects, share):
+        """At the end of each step, however far the last step of Newton's method changes the force."""
+        scene = fo.Scene(fo.Sand(7.0), level(fo.Gait.human()), effects=effects)
+        walk = fo.simulate(flat_foot, scene)
+        feet = scene.gait.pose(walk.t, scene.walker.l1, scene.walker.l2).table()[:, :, 2:4]
+        power = (walk.force * (walk.velocity[:, None] + feet)).sum(axis=-1)
+        np.testing.assert_allclose(walk.power, power, rtol=0, atol=share * walk.objectives["peak_power"])
+
     def test_a_march_is_right(self, flat_foot):
         """Level feet set down at 3 m/s."""
         stamp = fo.simulate(flat_foot, fo.Scene(gait=MARCH))
