@@ -24,6 +24,7 @@ from footopt.walk import Walk
 Axes = Any  # matplotlib.axes.Axes
 
 COLUMN, PAGE = 3.4, 7.0  # widths, inches
+HIGHEST = 3.0  # times its width: of a figure whose axes have equal scales
 DPI = 200
 DATES = {"png": "Software", "pdf": "CreationDate", "svg": "Date"}  # metadata that would differ each time
 
@@ -90,7 +91,7 @@ def fit_height(figure: Figure, column: Sequence[Axes]) -> None:
     for axes in (axes for axes in column if axes in equal):
         box, (left, right), (low, high) = axes.get_window_extent(), axes.get_xlim(), axes.get_ylim()
         more += box.width * (high - low) / (right - left) - box.height
-    figure.set_figheight(figure.get_figheight() + more / figure.dpi)
+    figure.set_figheight(min(figure.get_figheight() + more / figure.dpi, HIGHEST * figure.get_figwidth()))
     lay_out(figure)
     for axes in equal:
         axes.set_aspect("equal")

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike
 
+from footopt.errors import SettingError
 from footopt.gait import RIGHT
 from footopt.report import style
 from footopt.report.stage import ARROWS, Stage, draw_ground, draw_key
@@ -113,10 +114,11 @@ def step(walk: Walk) -> Figure:
     """The right foot's first step: the sole and its forces.
 
     Snapshots are at equal intervals of time. Each arrow is the force on one of `stage.ARROWS` parts of the
-    sole and ends there. The walk needs a `footopt.walk.results.stance`.
+    sole and ends there. Raises `SettingError` for a walk without a `footopt.walk.results.stance`.
     """
     contact = stance(walk)
-    assert contact is not None
+    if contact is None:
+        raise SettingError("t_f", walk.scene.duration, "a walk in which the right foot has stood")
     foot, begin, end = RIGHT, walk.t[contact.first], walk.t[contact.last]
     times = np.linspace(begin, end, 2 * ROWS * COLUMNS + 1)[1::2]  # at its ends a contact carries no force
     longest, margin = np.multiply((LONGEST, MARGIN), np.ptp(walk.foot.contour[:, 0]))
