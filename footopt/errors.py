@@ -97,7 +97,7 @@ def check_free(name: str, taken: Any, new: Any) -> None:
     check(not builtin, "plugins", name, "of another name", "footopt has one of this name.")
 
 
-def check_kind(value: object, kind: type, setting: str, hint: str) -> None:
+def check_kind(setting: str, value: object, kind: type, hint: str) -> None:
     """Raise `SettingError` unless `value` is a `kind`: otherwise it would fail later, and elsewhere."""
     check(isinstance(value, kind), setting, value, f"of type {kind.__name__}", hint)
 

@@ -71,7 +71,7 @@ class RobustProblem(FootProblem):
     ) -> None:
         check(len(scenarios) > 0, "scenarios", list(scenarios), "at least one")
         for scenario in scenarios:
-            check_kind(scenario, Scenario, "scenarios", "Try fo.Scenario(name, scene)")
+            check_kind("scenarios", scenario, Scenario, "Try fo.Scenario(name, scene)")
             scenario.scene.check_comparable()
         names = [scenario.name for scenario in scenarios]
         check(len(set(names)) == len(names), "scenarios", names, "of different names")

@@ -42,7 +42,7 @@ class Scenario:
     ankle: tuple[float, float] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
-        check_kind(self.scene, Simulator, "scene", "Of a scenario; try fo.Scene(sand=fo.Sand(0.2)).")
+        check_kind("scene", self.scene, Simulator, "Of a scenario; try fo.Scene(sand=fo.Sand(0.2)).")
 
     def space(self, space: Waypoints) -> Waypoints:
         """The same soles with the ankle as in this scenario."""

@@ -83,7 +83,7 @@ def search(
     ValueError
         The store was opened for another problem.
     """
-    check_kind(problem, FootProblem, "problem", "Try fo.FootProblem(scene)")
+    check_kind("problem", problem, FootProblem, "Try fo.FootProblem(scene)")
     own, hint = type(problem)._evaluate is FootProblem._evaluate, "Override walk, minimised or constraints."
     check(own, "problem", type(problem).__name__, "one with the _evaluate of a FootProblem", hint)
     ends = stop is None or isinstance(stop, tuple) or hasattr(stop, "has_terminated")
@@ -134,7 +134,7 @@ def _as_solver(solver: Any, budget: dict[str, Any]) -> Solver:
         return Solver(name=solver or AUTO, **budget)
     from pymoo.core.algorithm import Algorithm  # takes a tenth of a second
 
-    check_kind(solver, Algorithm, "solver", "Try solver='memetic', or an algorithm of pymoo")
+    check_kind("solver", solver, Algorithm, "Try solver='memetic', or an algorithm of pymoo")
     size = getattr(solver, "pop_size", None)
     given = {"pop_size": max(size, 4)} if isinstance(size, int) else {}
     check(not {"operators", "pop_size"} & set(budget), "solver", type(solver).__name__,

@@ -49,7 +49,7 @@ def write_foot(foot: Foot, path: str | Path, block: Sequence[float] | None = Non
     MissingError
         STEP needs OpenCASCADE: ``pip install "footopt[cad]"``.
     """
-    check_kind(foot, Foot, "foot", "fo.Foot.from_waypoints(k) makes one of heights.")
+    check_kind("foot", foot, Foot, "fo.Foot.from_waypoints(k) makes one of heights.")
     path = Path(path)
     ending, sole, width = path.suffix.lower()[1:], MM * foot.contour, MM * foot.width
     check(ending in FORMATS, "path", str(path), f"a file that ends in one of .{', .'.join(FORMATS)}")

@@ -147,7 +147,7 @@ def as_space(space: Waypoints | None, n: int = Waypoints.n) -> Waypoints:
     """The design space that is given, or else the paper's with n waypoints."""
     if space is None:
         return Waypoints(n=n)
-    check_kind(space, Waypoints, "space", "fo.Waypoints(n=11, K=10) is the paper's.")
+    check_kind("space", space, Waypoints, "fo.Waypoints(n=11, K=10) is the paper's.")
     return space
 
 

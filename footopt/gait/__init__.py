@@ -132,8 +132,8 @@ class Gait:
         check(self.pitch in ("shank", "measured"), "gait.pitch", self.pitch, "shank or measured")
         if self.pitch == "measured" and self.foot is None:
             raise SettingError("gait.pitch", "measured", "shank: this gait has no measured pitch of the foot")
-        check_kind(self.thigh, Fourier, "gait.thigh", "fo.fit_gait makes a gait of angles.")
-        check_kind(self.knee, Fourier, "gait.knee", "fo.fit_gait makes a gait of angles.")
+        check_kind("gait.thigh", self.thigh, Fourier, "fo.fit_gait makes a gait of angles.")
+        check_kind("gait.knee", self.knee, Fourier, "fo.fit_gait makes a gait of angles.")
         for name, s in self.series.items():
             check(len(s.a) == len(s.b), f"gait.{name}", s, "a series with as many a as b")
             object.__setattr__(self, name, Fourier(s.a0, tuple(s.a), tuple(s.b)))

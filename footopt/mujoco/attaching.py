@@ -82,8 +82,8 @@ class Contact:
         remembers: bool = False,
     ) -> None:
         mujoco = needed("mujoco", "footopt.mujoco", "mujoco")
-        check_kind(model, mujoco.MjModel, "model", "Or a mujoco.MjSpec, with None for its data.")
-        check_kind(feet, Mapping, "feet", "By name of the body.")
+        check_kind("model", model, mujoco.MjModel, "Or a mujoco.MjSpec, with None for its data.")
+        check_kind("feet", feet, Mapping, "By name of the body.")
         world = _constants(sand, ordered(effects))
         g = float(np.linalg.norm(model.opt.gravity)) / EARTH
         check(feet, "feet", {}, "a body and its foot, at least")
@@ -102,7 +102,7 @@ class Contact:
             raise SettingError("feet", [*feet][fixed.argmax()], "a body that moves", "Weld it to that one.")
         self.lines = 1 if _in_one_plane(mujoco, model, data, rows) else 2
         for body, row, foot in zip(bodies, rows, feet.values(), strict=True):
-            check_kind(foot, Foot, "feet", "By name of its body.")
+            check_kind("feet", foot, Foot, "By name of its body.")
             if id(foot) not in soles:  # both feet often have one
                 cut = foot.plates(plates // 2, fill=reshaping(effects))
                 soles[id(foot)] = _sole(cut, foot.width, self.lines)

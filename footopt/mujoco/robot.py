@@ -92,7 +92,7 @@ class Robot(Simulator):
     def __post_init__(self) -> None:
         put, feet = object.__setattr__, (self.feet,) if isinstance(self.feet, str) else tuple(self.feet)
         check(len(feet) > 0, "robot.feet", list(feet), "one body, or several")
-        check_kind(self.sand, Sand, "sand", 'Try fo.Sand.named("hard")')
+        check_kind("sand", self.sand, Sand, 'Try fo.Sand.named("hard")')
         put(self, "feet", feet)
         put(self, "effects", ordered(self.effects))
         if not isinstance(self.model, Model) or self.model.feet != feet:

@@ -239,7 +239,7 @@ class Sand:
     def __post_init__(self) -> None:
         allowed = "a number > 0, from 1e-6 to 1e6 (soft sand 0.2, the generic material 1, hard sand 5)"
         check_number("sand.zeta", self.zeta, 1e-6, 1e6, allowed, "Try sand=regular or sand.zeta=1.")
-        check_kind(self.stress_map, StressMap, "sand", "fo.StressMap(A00=0.2) changes a coefficient.")
+        check_kind("sand", self.stress_map, StressMap, "fo.StressMap(A00=0.2) changes a coefficient.")
         object.__setattr__(self, "zeta", float(self.zeta))  # 5 and 5.0 have the same designs in a store
 
     @property

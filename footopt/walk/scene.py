@@ -108,9 +108,9 @@ class Scene(Simulator):
     effects: tuple[Effect, ...] = ()
 
     def __post_init__(self) -> None:
-        check_kind(self.sand, Sand, "sand", 'Try fo.Sand.named("hard")')
-        check_kind(self.gait, Gait, "gait", "Try fo.Gait.human() or fo.read_gait(path)")
-        check_kind(self.walker, Walker, "walker", "Try fo.Walker(mass=60)")
+        check_kind("sand", self.sand, Sand, 'Try fo.Sand.named("hard")')
+        check_kind("gait", self.gait, Gait, "Try fo.Gait.human() or fo.read_gait(path)")
+        check_kind("walker", self.walker, Walker, "Try fo.Walker(mass=60)")
         object.__setattr__(self, "effects", ordered(self.effects))
         moves, hint = math.isfinite(self.gait.start), "Try scene.t_f=10, or a finite gait.start."
         allowed = "given, in s, for a walker that stands still"

@@ -41,7 +41,7 @@ def simulate(foot: Foot, scene: Simulator | None = None, accuracy: AnyAccuracy |
     SettingError
         The walk is too long to be traced at this accuracy.
     """
-    check_kind(foot, Foot, "foot", "Try fo.Foot.from_waypoints(heights)")
+    check_kind("foot", foot, Foot, "Try fo.Foot.from_waypoints(heights)")
     scene = as_simulator(scene)
     return scene.trace(foot, numerics(resolve(accuracy), scene, foot))
 
@@ -144,5 +144,5 @@ def _evaluated(
 def as_simulator(scene: Simulator | None) -> Simulator:
     """The paper's walk on hard sand where there is none."""
     found = Scene() if scene is None else scene
-    check_kind(found, Simulator, "scene", "Try fo.Scene(sand=...)")
+    check_kind("scene", found, Simulator, "Try fo.Scene(sand=...)")
     return found

@@ -15,7 +15,6 @@ from feet_in_sand import (
     SPEED,
     both_feet,
     feel,
-    force,
     momentum_gap,
     pose_of,
 )

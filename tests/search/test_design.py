@@ -14,11 +14,11 @@ from footopt.errors import FootoptError, SettingError
 
 #: Digests of the soles that a search asks for: pop_size=12, n_gen=4, seed=1, n=7, K=10.
 ASKED = {
-    "memetic": "28f4c720b18c5287",
+    "memetic": "e696a63904beba14",
     "archive": "e1d5b44f8d54d5f2",
     "ga": "4be32f3df281d981",
-    "nsga2": "2473a455ec469b47",
-    "agemoea2": "569305bb4b85cb1d",
+    "nsga2": "d93368f6e17a660d",
+    "agemoea2": "e4a3946d6a77b802",
     "smsemoa": "db5ed6362d584983",
     "rvea": "1848fb308112d57a",
 }

@@ -80,21 +80,21 @@ class Moves(Algorithm):
         idle = 0
         while (wanted := size - len(found)) and idle < IDLE:
             children = self._screened(self._fresh(self._children(max(CHILDREN, wanted))), wanted)
-            found = np.concatenate([found, self._propose_now(children[:wanted])])
+            found = np.concatenate([found, self._noted(children[:wanted])])
             idle = 0 if len(children) else idle + 1
         return found if len(found) else self._drawn(size)
 
     def _drawn(self, count: int) -> Ints:
         """New designs drawn at random."""
         drawn = RandomInside()._do(self.problem, 4 * count, self.random_state)
-        return self._propose_now(self._fresh(drawn)[:count])
+        return self._noted(self._fresh(drawn)[:count])
 
     def _fresh(self, X: Ints) -> Ints:
         """The designs (designs, n) that are allowed and were not proposed before, each once."""
         X = X[self.proposed.fresh(X)].astype(np.int64)
         return X[allowed(self.problem, X)]
 
-    def _propose_now(self, fresh: Ints) -> Ints:
+    def _noted(self, fresh: Ints) -> Ints:
         """Note designs (designs, n) that are fresh as proposed, and return them."""
         self.proposed.add(fresh)
         return fresh
@@ -192,7 +192,7 @@ class Memetic(Moves):
     def _near(self, count: int) -> Ints:
         """New designs from the best one's neighbourhood."""
         near = self.pool.X[0] + shifts(self.problem.n_var)
-        return self._propose_now(self._fresh(self.random_state.permutation(near))[:count])
+        return self._noted(self._fresh(self.random_state.permutation(near))[:count])
 
     def _restart(self, size: int) -> Ints:
         """Random designs to begin anew with, and twice as many parents."""
@@ -272,7 +272,7 @@ class Archive(Moves):
         near = (X[:, None] + shifts(X.shape[1])).reshape(-1, X.shape[1])
         X = self._fresh(self.random_state.permutation(near)[: 3 * CHILDREN])
         best = np.argsort(-self._promise(X), kind="stable")
-        return np.concatenate([ends, self._propose_now(X[best[: max(size // 4, 1)]])])
+        return np.concatenate([ends, self._noted(X[best[: max(size // 4, 1)]])])
 
     def _ends(self, count: int) -> Ints:
         """The most promising children by one objective of the best designs by it; objectives take turns."""
@@ -282,7 +282,7 @@ class Archive(Moves):
         crossed = draw.random(CHILDREN) < CROSSED
         children = self._fresh(shifted(np.where(crossed[:, None], exchanged(one, other, draw), one), draw))
         order = np.argsort(self._expected(children)[0][:, by], kind="stable")
-        return self._propose_now(children[order[:count]])
+        return self._noted(children[order[:count]])
 
     def _restart(self, size: int) -> Ints:
         """Random designs of a second population; if there is one already, both go on together instead."""
