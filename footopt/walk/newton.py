@@ -32,7 +32,7 @@ def solve_stage(world, sole, poses, start, c, vx, vz, e0, reversal, counts):
 
     Starts from the guess (vx, vz) and ends with a step that is small (`converged`): Newton's method has then
     converged to the square of that ratio. The stage's forces are carried along the last step to first order,
-    so that its momentum balance closes to rounding.
+    so that its momentum balance closes to rounding, and their power with them.
 
     Where a step makes the residual larger, the motion of a foot has reversed. Newton's method goes on
     half-way in that foot's direction w, and its steps are those of w, halved until they make the residual

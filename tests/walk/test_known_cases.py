@@ -36,7 +36,7 @@ def waves(n=40):
 
 
 def drawn(number, foot):
-    """A foot of a random scene, in which the power jumps."""
+    """A foot of a random scene."""
     found = draw(number)
     return [found.foot(foot)], found.scene
 
@@ -60,6 +60,7 @@ CASES = {
     "a layer under 5 waypoints": drawn(17009, 1),
     "a patch on zeta 151": drawn(17081, 1),
     "grooves that trail": drawn(17040, 1),
+    "a level shape with all effects": drawn(18007, 1),
 }
 
 
