@@ -11,6 +11,11 @@ function meanSpeed(F, o, both) {
   return force === 0 ? Infinity : (Math.abs(F[o + 2]) / force) * Math.sqrt(both / force);
 }
 
+/** How a change of the velocity changes a foot's force, to first order. */
+function changeOf(F, o, dvx, dvz) {
+  return Math.abs(F[o + 3] * dvx + F[o + 4] * dvz) + Math.abs(F[o + 5] * dvx + F[o + 6] * dvz);
+}
+
 /** w at a velocity of the hip, and its rate; a plate is that of `deepestPlate`. */
 function directionOf(plate, vx, vz) {
   const x = vx - plate.vx, z = vz - plate.vz, rate = 1 / Math.sqrt(x * x + z * z + plate.speed * plate.speed);
@@ -51,11 +56,10 @@ function stepped(plate, vx, vz, dvx, dvz) {
 
 /** Velocity V of an implicit stage, V = v0 + c a(r0 + c V, V), by Newton's method from a guess; whether it was found. */
 function solveStage(W, sole, poses, p, x0, z0, vx0, vz0, c, vx, vz, reversal) {
-  const { newton, most, shortest, inside, gated, creep } = P.accuracy, F = implicit.force, inv = c / W.mass, { tilt, g } = P.gravity;
+  const { newton, most, shortest, inside, changed, creep } = P.accuracy, F = implicit.force, inv = c / W.mass, { tilt, g } = P.gravity;
   let best = Infinity, dvx = 0, dvz = 0, part = 1, side = 1, plate = reversal && deepestPlate(sole, poses, p, reversal.foot, creep);
   if (plate && z0 + c * vz + plate.height >= 0) plate = null;
   if (plate) [vx, vz] = velocityOf(plate, reversal.x, reversal.z, vx, vz);
-  const smooth = smoothSpeed(sole, Math.min(Math.abs(poses[p + 6]), Math.abs(poses[p + 13])), creep);
   let bestX = vx, bestZ = vz;
   for (let i = 0; i < most; i++) {
     contact(W, sole, poses, p, x0 + c * vx, z0 + c * vz, vx, vz, creep, c, F);
@@ -70,8 +74,8 @@ function solveStage(W, sole, poses, p, x0, z0, vx0, vz0, c, vx, vz, reversal) {
       const size = Math.abs(dvx) + Math.abs(dvz), rounding = 1e-13 * (1 + Math.abs(vx) + Math.abs(vz));
       const force = Math.abs(F[0]) + Math.abs(F[1]) + (Math.abs(F[7]) + Math.abs(F[8]));
       const speed = force === 0 ? creep : creep + Math.min(meanSpeed(F, 0, force), meanSpeed(F, 7, force));
-      const enough = Math.min(newton * speed, plate ? gated * plate.speed : Infinity, gates.length ? gated * smooth : Infinity);
-      if (size <= rounding || (force > 0 && size <= enough + rounding)) {
+      const change = Math.max(changeOf(F, 0, dvx, dvz), changeOf(F, 7, dvx, dvz));
+      if (size <= rounding || (force > 0 && size <= newton * speed + rounding && change <= changed * force)) {
         implicit.vx = vx + dvx;
         implicit.vz = vz + dvz;
         const [wx, wz] = plate ? directionOf(plate, implicit.vx, implicit.vz) : [1, 0];
