@@ -23,6 +23,7 @@ STICKING = 1e-3  # the same where bristles hold plates: the law is bent where th
 MAX_NEWTON = 200  # contact evaluations of one implicit stage, before it is left unsolved
 SHORTEST = 2.0**-16  # part of a step of Newton's method
 INSIDE = 0.999  # |w| at most; beyond it a foot slides, and steps are those of the velocity
+SMOOTH_STEP = 2.0  # largest last step over the transition, where a foot reverses or an effect has a gate
 CHANGED = 0.05  # share of the force on both feet by which the last step may change that on one of them
 
 
@@ -56,7 +57,7 @@ def solve_stage(world, sole, poses, start, c, vx, vz, e0, reversal, counts):
         if square <= best:
             best, best_vx, best_vz, part = square, vx, vz, min(2.0 * part, 1.0) if gated(world) else 1.0
             dvx, dvz = newton_step(inv, at, rx, rz)
-            if converged(world, vx, vz, dvx, dvz, at, transition):
+            if converged(world, sole, poses, vx, vz, dvx, dvz, at, transition, plate):
                 vx, vz = vx + dvx, vz + dvz
                 end = Motion(start.x + c * vx, start.z + c * vz, vx, vz)
                 left, right = _extrapolated(at.left, dvx, dvz), _extrapolated(at.right, dvx, dvz)
@@ -104,11 +105,10 @@ def gated(world):
 
 
 @inlined
-def converged(world, vx, vz, dvx, dvz, at, transition):
+def converged(world, sole, poses, vx, vz, dvx, dvz, at, transition, plate):
     """Whether a step is small against the speed at which the plates of the slower foot move through the sand.
 
-    That speed (`_speed`) is at least the creep speed, on which the law is smooth. Where a foot reverses, or a
-    gate opens, forces change within less: the step is small against the force on both feet, too.
+    That speed (`_speed`) is at least the creep speed, on which the law is smooth.
     """
     left, right = at.left, at.right
     size = abs(dvx) + abs(dvz)
@@ -120,6 +120,11 @@ def converged(world, vx, vz, dvx, dvz, at, transition):
         speed *= 1.0 if world.bristle_length is None else 1e-3
         speed += min(_speed(left, force), _speed(right, force))
     enough = world.tolerance * speed
+    if plate.foot != NO_FOOT:
+        enough = min(enough, SMOOTH_STEP * plate.speed)
+    if gated(world):
+        slower = min(abs(ankle_of(poses, 0).rate), abs(ankle_of(poses, 1).rate))
+        enough = min(enough, SMOOTH_STEP * _smooth_speed(sole, slower, transition))
     change = max(_change(left, dvx, dvz), _change(right, dvx, dvz))
     return size <= rounding or (force > 0.0 and size <= enough + rounding and change <= CHANGED * force)
 
@@ -175,10 +180,19 @@ def deepest_plate(sole, poses, foot, transition, e0):
     ankle = ankle_of(poses, foot)
     i, height = lowest(sole, ankle)
     motion = kinematics(ankle, sole.plates[0, i], sole.plates[1, i])
-    within = TURN * ankle.rate * sole.span
-    speed = np.sqrt(transition * transition + within * within)
+    speed = _smooth_speed(sole, ankle.rate, transition)
     x, z = _held(e0, foot, i)
     return Plate(foot, -motion.vx - speed * x, -motion.vz - speed * z, speed, height)
+
+
+@inlined
+def _smooth_speed(sole, rate, transition):
+    """The speed over which a plate's direction turns, m/s; a gate opens over no less.
+
+    rate: of the foot's pitch, rad/s.
+    """
+    within = TURN * rate * sole.span
+    return np.sqrt(transition * transition + within * within)
 
 
 @inlined

@@ -288,6 +288,12 @@ function contact(W, sole, poses, p, x, z, vx, vz, creep, c, out) {
   for (const foot of [0, 1]) footForce(W, sole, poses, p + 7 * foot, x, z, vx, vz, creep, c, out, foot);
 }
 
+/** The speed over which a plate's direction turns; a gate opens over no less. */
+function smoothSpeed(sole, rate, creep) {
+  const within = P.accuracy.turn * rate * sole.span;
+  return Math.sqrt(creep * creep + within * within);
+}
+
 /** The deepest plate of a foot: the hip's velocity at which it rests, the speed over which it turns, its height above the hip. */
 function deepestPlate(sole, poses, p, foot, creep) {
   const o = p + 7 * foot, cos = poses[o + 4], sin = poses[o + 5], rate = poses[o + 6];
@@ -297,8 +303,7 @@ function deepestPlate(sole, poses, p, foot, creep) {
     if (level < height) [i, height] = [j, level];
   }
   const rise = sin * sole.x[i] + cos * sole.z[i], along = cos * sole.x[i] - sin * sole.z[i];
-  const within = P.accuracy.turn * rate * sole.span, speed = Math.sqrt(creep * creep + within * within);
-  return { foot, height, vx: -(poses[o + 2] - rate * rise), vz: -(poses[o + 3] + rate * along), speed };
+  return { foot, height, vx: -(poses[o + 2] - rate * rise), vz: -(poses[o + 3] + rate * along), speed: smoothSpeed(sole, rate, creep) };
 }
 
 /** Hip height at which the limit forces of downward motion carry the weight; NaN if they do not. */

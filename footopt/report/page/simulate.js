@@ -56,10 +56,11 @@ function stepped(plate, vx, vz, dvx, dvz) {
 
 /** Velocity V of an implicit stage, V = v0 + c a(r0 + c V, V), by Newton's method from a guess; whether it was found. */
 function solveStage(W, sole, poses, p, x0, z0, vx0, vz0, c, vx, vz, reversal) {
-  const { newton, most, shortest, inside, changed, creep } = P.accuracy, F = implicit.force, inv = c / W.mass, { tilt, g } = P.gravity;
+  const { newton, most, shortest, inside, gated, changed, creep } = P.accuracy, F = implicit.force, inv = c / W.mass, { tilt, g } = P.gravity;
   let best = Infinity, dvx = 0, dvz = 0, part = 1, side = 1, plate = reversal && deepestPlate(sole, poses, p, reversal.foot, creep);
   if (plate && z0 + c * vz + plate.height >= 0) plate = null;
   if (plate) [vx, vz] = velocityOf(plate, reversal.x, reversal.z, vx, vz);
+  const smooth = smoothSpeed(sole, Math.min(Math.abs(poses[p + 6]), Math.abs(poses[p + 13])), creep);
   let bestX = vx, bestZ = vz;
   for (let i = 0; i < most; i++) {
     contact(W, sole, poses, p, x0 + c * vx, z0 + c * vz, vx, vz, creep, c, F);
@@ -74,8 +75,9 @@ function solveStage(W, sole, poses, p, x0, z0, vx0, vz0, c, vx, vz, reversal) {
       const size = Math.abs(dvx) + Math.abs(dvz), rounding = 1e-13 * (1 + Math.abs(vx) + Math.abs(vz));
       const force = Math.abs(F[0]) + Math.abs(F[1]) + (Math.abs(F[7]) + Math.abs(F[8]));
       const speed = force === 0 ? creep : creep + Math.min(meanSpeed(F, 0, force), meanSpeed(F, 7, force));
+      const enough = Math.min(newton * speed, plate ? gated * plate.speed : Infinity, gates.length ? gated * smooth : Infinity);
       const change = Math.max(changeOf(F, 0, dvx, dvz), changeOf(F, 7, dvx, dvz));
-      if (size <= rounding || (force > 0 && size <= newton * speed + rounding && change <= changed * force)) {
+      if (size <= rounding || (force > 0 && size <= enough + rounding && change <= changed * force)) {
         implicit.vx = vx + dvx;
         implicit.vz = vz + dvz;
         const [wx, wz] = plate ? directionOf(plate, implicit.vx, implicit.vz) : [1, 0];

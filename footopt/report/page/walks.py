@@ -229,6 +229,7 @@ def physics(
             "most": newton.MAX_NEWTON,
             "shortest": newton.SHORTEST,
             "inside": newton.INSIDE,
+            "gated": newton.SMOOTH_STEP,
             "changed": newton.CHANGED,
             "turn": TURN,
             "exposed": EXPOSED,
