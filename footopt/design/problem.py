@@ -201,11 +201,11 @@ class Known(dict[bytes, int]):
 
     def fresh(self, k: Ints) -> Ints:
         """The rows of those of some designs (designs, n) that are not known, each once, in their order."""
-        keys = rows_as_bytes(k)
-        first = dict(zip(reversed(keys), reversed(range(len(keys))), strict=True))
-        for key in first.keys() & self.keys():
-            del first[key]
-        return np.sort(np.array(list(first.values()), np.int64))
+        first: dict[bytes, int] = {}
+        for i, key in enumerate(rows_as_bytes(k)):
+            if key not in self:
+                first.setdefault(key, i)
+        return np.array(list(first.values()), np.int64)
 
     def add(self, k: Ints) -> None:
         """Add designs (designs, n) that are `fresh`."""

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import footopt as fo
+from footopt.errors import SettingError
 from footopt.report import figures
 from footopt.walk.objectives import FIVE, lookup
 
@@ -105,6 +106,13 @@ FIGURES = {
 @pytest.fixture(scope="module", params=FIGURES)
 def figure(request, hard, soft, sunk, table):
     return FIGURES[request.param]({"hard": hard, "soft": soft, "failed": sunk}, table)
+
+
+def test_a_sole_without_width_has_no_endless_figure_and_a_walk_without_a_step_none():
+    blade = fo.Foot(contour=np.array([[0.0, 0.0], [0.0, -0.1]]))
+    assert figures.contour(blade).get_figheight() <= 3.0 * 3.4
+    with pytest.raises(SettingError, match=r"t_f = 0\.6"):
+        figures.step(fo.simulate(blade, fo.Scene(t_f=0.6)))
 
 
 @pytest.mark.slow

@@ -74,6 +74,16 @@ def test_the_estimate_holds_the_error(name):
         assert one.error.max() <= 0.005
 
 
+def test_a_power_that_jumps_is_not_overshot():
+    """By the last step of Newton's method, where a level foot begins to slide along its own sole."""
+    (foot,), scene = drawn(17017, 1)
+    peaks = [
+        fo.simulate(foot, scene, fo.Accuracy(dt=dt, plates=96, creep=1.8206e-4, control=5.6895e-5)).objectives
+        for dt in (2.87235e-3, 3e-4)
+    ]
+    assert peaks[0]["peak_power"] == pytest.approx(peaks[1]["peak_power"], rel=1e-3)
+
+
 def test_a_sand_that_gives_energy_is_warned_of_and_its_walks_have_no_estimate():
     """Some feet walk backwards by some numbers and forwards by others."""
     rough = fo.Accuracy(dt=0.01, plates=56, control=2e-3)
