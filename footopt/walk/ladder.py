@@ -40,7 +40,6 @@ AGAIN = 0.8  # of that share, allowed to a rung further down: one of several may
 WORTH = 0.8  # of a rung's work: a rung further down is taken only if it costs less than this
 SMALL = 1 / 6  # of that share: a smaller error is not worth a rung
 FAR = 4.0  # times that share: a larger error takes two rungs at once
-VAIN, BARELY = 8.0, 1.5  # this many times the work has to reduce the error by this factor
 SAFE_DEEP = 4 / 3  # as `SAFE`, for rungs that leave a quarter of an error
 ALIKE = 2.0  # the worst probe's error counts as at most this many times the next one's, against `DEEP` walks
 NEARLY = 1.25  # times the smallest error: counts as equally good where none is small enough
@@ -200,17 +199,16 @@ def climb(
     walk: Callable[[Rung], tuple[Array, float]],
     top: Rung,
     tolerance: float,
-    most: float = math.inf,
+    most: float = MOST,
     deep: Rung | None = None,
 ) -> Found:
     """Climb a ladder until the relative error of the worst objective is within a tolerance.
 
     walk: from a rung to the probes' objectives (probes, objectives) and the work of a walk. top: the finest
-    rung. most: how many walks with the resulting parameters the climb may cost. deep: how many rungs further
-    up a walk has to agree in the end, or None.
+    rung. most: how many walks with the parameters that it would end with so far the climb may cost. deep: how
+    many rungs further up a walk has to agree in the end, or None.
     """
     walked: dict[Rung, tuple[Array, float]] = {}
-    passed: list[Found] = []
     path: list[Rung] = []
     rung, allowed, by, safe = Rung(), SHARE * tolerance, NEXT, SAFE
 
@@ -224,11 +222,13 @@ def climb(
         return [at(rung.up(by, times, top)) for times in range(1, 2 + twice)]
 
     def closest() -> Found:
-        """The cheapest rung nearly as close as any to the finest walks, in the probes' geometric mean."""
+        """The cheapest rung nearly as close as any to the finest walks, of those where fewest probes miss."""
         ups = [at(one) for one in walked if min(map(sub, one, rung)) >= 0]
         errors = {one: safe * _changed(at(one)[0], ups) for one in path}
-        means = [np.log(np.clip(each.max(axis=1), allowed, 1.0)).mean() for each in errors.values()]
-        near = [one for one, mean in zip(errors, means, strict=True) if mean <= min(means) + math.log(NEARLY)]
+        missed = {one: (each.max(axis=1) > tolerance).sum() for one, each in errors.items()}
+        fewest = [one for one in errors if missed[one] == min(missed.values())]
+        means = {one: np.log(np.clip(errors[one].max(axis=1), allowed, 1.0)).mean() for one in fewest}
+        near = [one for one in fewest if means[one] <= min(means.values()) + math.log(NEARLY)]
         least = min(near, key=lambda one: at(one)[1])
         return Found(least, worst(errors[least], ALIKE), at(least)[1])
 
@@ -242,19 +242,19 @@ def climb(
         values, cost = at(rung)
         path.append(rung)
         if by is deep:
-            passed.append(Found(rung, worst(_changed(values, up(deep)), ALIKE), cost))
-            if passed[-1].error <= allowed:
+            found = Found(rung, worst(_changed(values, up(deep)), ALIKE), cost)
+            if found.error <= allowed:
                 break
         finer = [up(side) for side in by.sides()]
         changes = [safe * _changed(values, ups) for ups in finer]
         if by is NEXT:
             error = math.nan if np.isnan(values).all() else worst(np.sum(changes, axis=0))
-            passed.append(Found(rung, error, cost))
-            if passed[-1].error <= allowed:
+            found = Found(rung, error, cost)
+            if found.error <= allowed:
                 grows = math.prod((ups[0][1] / cost) ** n for ups, n in zip(finer, deep or NEXT, strict=True))
                 if deep is None or too_expensive(len(values) * grows * cost, cost):
                     break
-                by, safe, passed = deep, SAFE_DEEP, []
+                by, safe = deep, SAFE_DEEP
                 continue
         errors = [worst(change) for change in changes]
         worth = {
@@ -262,17 +262,14 @@ def climb(
             for side in range(len(rung))
             if rung[side] < top[side] and errors[side] > SMALL * allowed
         }
-        if not worth or _in_vain(passed):
+        if not worth:
             break
         side = max(worth, key=lambda side: worth[side])
         rungs = 2 if errors[side] > FAR * allowed else 1
         trial = len(values) * (cost + sum(other for ups in finer for _, other in ups))
-        good = NEARLY * min(one.error for one in passed)
-        least = min(one.work for one in passed if one.error <= good)
-        if too_expensive(trial * (finer[side][0][1] / cost) ** rungs, least):
+        if too_expensive(trial * (finer[side][0][1] / cost) ** rungs, closest().work):
             break
         rung = rung.up(NEXT.sides()[side], rungs, top)
-    found = passed[-1]
     if by is deep and found.error <= allowed:
         found = _descended(found, at, up(deep), AGAIN * allowed, lambda one: not too_expensive(0.0, one.work))
     elif found.error > allowed:
@@ -324,9 +321,3 @@ def worst(errors: Array, alike: float = 1.0) -> float:
     """
     ordered = np.sort(errors.max(axis=1))
     return float(ordered[-1] if len(errors) < FEW else min(ordered[-1], alike * ordered[-2]))
-
-
-def _in_vain(passed: Sequence[Found]) -> bool:
-    """Whether the last rungs cost much and gained little: the scene's errors do not fall with refinement."""
-    before = [one.error for one in passed if VAIN * one.work <= passed[-1].work]
-    return bool(before) and not min(one.error for one in passed) < min(before) / BARELY

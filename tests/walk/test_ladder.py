@@ -113,6 +113,7 @@ class TestTheClimb:
         sides = {Rung(*(up * (i == side) for i in range(3))) for up in (1, 2) for side in range(3)}
         assert set(walk.walked) == {Rung(), DEEP} | sides
 
+    def test_is_not_endless(self):
         """A scene whose walks differ whatever the numbers: not at the price of the finest rung."""
 
         class Noise(Halving):
@@ -139,6 +140,24 @@ class TestTheClimb:
         walk = Brink([0.05, 0.02, 0.01])
         found = climb(walk, TOP, 0.005, 1000.0, DEEP)
         assert walk.error(found.rung) < walk.error(Rung()) / 3.0
+
+    @pytest.mark.parametrize("tolerance", [0.002, 0.001])
+    def test_goes_on_where_errors_only_begin_to_fall(self, tolerance):
+        """Two probes hardly change on the first rungs, so that their errors seem small there."""
+
+        class Late(Halving):
+            def error(self, rung):
+                return 0.02 * 2.0 ** -(rung[1] / 8 if rung[1] < 5 else rung[1] - 4)
+
+            def __call__(self, rung):
+                values, cost = Halving([1e-4, 4e-3, 1e-4], costs=(0.2, 0.7, 0.05))(rung)
+                values[3:5] += self.error(rung)
+                return values, cost
+
+        walk = Late([0.0, 0.0, 0.0])
+        found = climb(walk, TOP, tolerance, deep=DEEP)
+        assert found.error <= SHARE * tolerance
+        assert walk.error(found.rung) <= tolerance
 
     def test_the_longest_step_is_shorter_on_each_rung(self):
         """Steps under control are halved a few times at most: where all are, the control changes nothing."""
