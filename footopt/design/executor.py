@@ -112,10 +112,9 @@ def _received(sent: bytes) -> FootProblem:
         why = "Its classes have to be in a module that workers can import."
         raise FootoptError(f"A worker cannot load the problem ({error!r}). {why}") from None
     if here != there:
-        raise FootoptError(
-            f"A worker would give other numbers: {listed(differences(there, here))} differ. Install the same "
-            "versions on both, and use processors of one model."
-        )
+        differ = listed([*differences(there, here).values()])
+        hint = "Install the same versions on both, and use processors of one model."
+        raise FootoptError(f"A worker would give other numbers: {differ} differ. {hint}")
     problem.threads = 1
     return cast(FootProblem, problem)
 

@@ -39,7 +39,6 @@ CODE = ("own", "versions", "machine")
 VALUE = "<f8"  # of values in its tables
 ASKED = 1000  # designs at a time: SQLite takes 32,766 arguments
 SHOWN = 4  # differences between two keys that a message names
-_CANONICAL = json.JSONEncoder(sort_keys=True, separators=(",", ":"))
 
 TABLES = """
 CREATE TABLE context (id INTEGER PRIMARY KEY, digest TEXT NOT NULL UNIQUE, description TEXT NOT NULL);
@@ -156,7 +155,7 @@ class Store(AbstractContextManager["Store"]):
         )
         with self._explained() as connection:
             rows = connection.execute(query, (self._id,)).fetchall()
-        return {number: differences(json.loads(text), self._key) for number, text in rows}
+        return {number: [*differences(json.loads(text), self._key).values()] for number, text in rows}
 
     def _make_or_check(self, connection: sqlite3.Connection) -> None:
         """Make the tables in an empty file; refuse any other that is not a store of this layout."""
@@ -278,7 +277,7 @@ def typed_json(value: Any) -> Any:
 
 def canonical(content: Any) -> str:
     """The one JSON text of some content; floats by their shortest digits that read back exactly."""
-    return _CANONICAL.encode(content)
+    return json.dumps(content, sort_keys=True, separators=(",", ":"))
 
 
 def digest(content: Any) -> str:
@@ -286,22 +285,15 @@ def digest(content: Any) -> str:
     return hashlib.sha256(canonical(content).encode()).hexdigest()
 
 
-def by_full_name(content: Any, name: str = "") -> dict[str, Any]:
-    """Nested content by its full names; a list is a value, unless it is one of mappings."""
-    if isinstance(content, list) and content and isinstance(content[0], Mapping):
-        content = dict(enumerate(content))
-    if not (isinstance(content, Mapping) and content):
-        return {name: content}
-    parts = (by_full_name(value, f"{name}.{key}" if name else str(key)) for key, value in content.items())
-    return {full: value for part in parts for full, value in part.items()}
-
-
-def differences(there: Any, here: Any) -> list[str]:
-    """Names that differ between two keys, each with both values."""
-    one, other = by_full_name(there), by_full_name(here)
-    names = [name for name in sorted(one | other) if one.get(name) != other.get(name)]
-    told = [[shortened(str(of.get(n)), 20) for of in (one, other)] for n in names]
-    return [f"{n} ({a} there, {b} here)" for n, (a, b) in zip(names, told, strict=True)]
+def differences(there: Any, here: Any, name: str = "") -> dict[str, str]:
+    """What differs between two keys, or the settings of two runs: both values in words, by full names."""
+    if isinstance(there, list) and isinstance(here, list) and there and isinstance(there[0], Mapping):
+        there, here = (dict(enumerate(each)) for each in (there, here))
+    if isinstance(there, Mapping) and isinstance(here, Mapping):
+        inner = (differences(there.get(n), here.get(n), f"{name}.{n}".lstrip(".")) for n in {**there, **here})
+        return {full: told for part in inner for full, told in part.items()}
+    one, other = (shortened(str(each), 20) for each in (there, here))
+    return {} if there == here else {name: f"{name} ({one} there, {other} here)"}
 
 
 def listed(found: Sequence[str]) -> str:

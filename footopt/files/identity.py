@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import yaml
 
+from footopt.design.store import differences
 from footopt.errors import ERROR_FILE, FileError
 from footopt.files.io import read_json_file, read_text, write_text
 
@@ -120,14 +121,6 @@ def order(folder: Path) -> tuple[str, int, str]:
     return str(folder.parent), int(folder.name) if folder.name.isdecimal() else -1, folder.name
 
 
-def changed_settings(one: Any, other: Any, name: str = "") -> list[str]:
-    """Full names of the settings in which two sets of them differ."""
-    if isinstance(one, Mapping) and isinstance(other, Mapping):
-        each = ((f"{name}.{key}".lstrip("."), one.get(key), other.get(key)) for key in {**one, **other})
-        return [found for full, a, b in each for found in changed_settings(a, b, full)]
-    return [] if one == other else [name]
-
-
 def claim_folder(folder: Path, settings: Mapping[str, Any], overrides: Sequence[str]) -> None:
     """Write a run's identity to its folder; `Occupied` if a finished run, or another's files, are there."""
     other = "Choose another hydra.run.dir."
@@ -138,7 +131,7 @@ def claim_folder(folder: Path, settings: Mapping[str, Any], overrides: Sequence[
     if left & {"result.json", "designs.sqlite"} or (begun and left):
         if not begun:
             raise Occupied(f"{folder}: holds files of a run, and no {FILE} that says of which. {other}")
-        if names := changed_settings(settings, read(folder, "hydra.run.dir").settings):
+        if names := [*differences(settings, read(folder, "hydra.run.dir").settings)]:
             raise Occupied(
                 f"{folder}: holds another run, which differs in {', '.join(names[:4])}. "
                 f"footopt resume=... goes on with it. {other}"

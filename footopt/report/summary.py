@@ -15,7 +15,6 @@ from scipy.io import netcdf_file
 
 from footopt.arrays import Array
 from footopt.design.fronts import hypervolume_shares
-from footopt.design.store import by_full_name
 from footopt.errors import ERROR_FILE, FileError
 from footopt.files import identity
 from footopt.files.feet import MM
@@ -80,7 +79,7 @@ def read(folder: Path) -> Row:
     left: dict[str, Any] = {"note": "no result"}
     try:
         found = identity.read(folder, "folder")
-        left |= {"overrides": found.overrides, "settings": by_full_name(found.settings)}
+        left |= {"overrides": found.overrides, "settings": _by_full_name(found.settings)}
         if file.exists() and not error.exists():
             left["result"] = result = dict(read_json_file(file, "folder"))
             left["note"] = result.get("reason") or ("interrupted" if result.get("interrupted") else "")
@@ -89,6 +88,14 @@ def read(folder: Path) -> Row:
     if error.is_file():
         left["note"] = error.read_text(encoding="utf-8").strip()
     return Row(folder, **left)
+
+
+def _by_full_name(content: Any, name: str = "") -> dict[str, Any]:
+    """Nested settings by their full names."""
+    if not (isinstance(content, Mapping) and content):
+        return {name: content}
+    parts = (_by_full_name(value, f"{name}.{key}".lstrip(".")) for key, value in content.items())
+    return {full: value for part in parts for full, value in part.items()}
 
 
 def as_frame(runs: Sequence[Row]) -> pandas.DataFrame:

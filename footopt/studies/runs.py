@@ -12,11 +12,11 @@ from omegaconf import OmegaConf
 
 from footopt.design import FootProblem, Solver, Store, make_executor
 from footopt.design.result import check_finalists
-from footopt.design.store import listed
+from footopt.design.store import differences, listed
 from footopt.errors import ERROR_FILE, FileError, FootoptError, SettingError, check
 from footopt.files import identity
 from footopt.files import io as files
-from footopt.files.identity import changed_settings, finished, locked, result_of
+from footopt.files.identity import finished, locked, result_of
 from footopt.foot import Foot, Waypoints
 from footopt.report.output import Output
 from footopt.studies import ROBOT, SCENE, SETTING_OF_GROUP, build, searches, within
@@ -110,7 +110,7 @@ def check_resumable(folder: Path, before: Mapping[str, Any], after: Mapping[str,
     """Raise unless a run may be resumed: only `CHANGEABLE` settings differ, and no budget is smaller."""
     if not (found := result_of(folder)):
         return
-    changed = changed_settings(files.plain(before), found["settings"])
+    changed = differences(files.plain(before), found["settings"])
     if other := [name for name in changed if not within(name, CHANGEABLE)]:
         raise FileError(
             f"resume = {str(folder)!r}: its result.json is that of another run: {', '.join(other[:4])} "
@@ -182,7 +182,7 @@ def in_world_of_run(
         good = "." in name or (name != "scene" and name in {**settings, **SETTING_OF_GROUP})
         chosen = settings["scene"]["name"] if name == "scene" else "chosen"
         check(good, name, chosen, "left out with run=: give what it sets, such as sand=hard")
-    changed = {*changed_settings(settings, default), *(SETTING_OF_GROUP.get(name, name) for name in given)}
+    changed = {*differences(settings, default), *(SETTING_OF_GROUP.get(name, name) for name in given)}
     for name in sorted(changed):  # a group before what is in it
         if name.partition(".")[0] in world:
             OmegaConf.update(found, name, OmegaConf.select(now, name), merge=False)

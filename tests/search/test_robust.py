@@ -194,7 +194,7 @@ class TestRobustProblem:
         digests = [digest(key_of(p)) for p in others]
         assert len(set(digests)) == len(digests)
         assert digest(key_of(problem())) == digests[0]
-        (said,) = differences(key_of(others[2]), key_of(others[0]))
+        (said,) = differences(key_of(others[2]), key_of(others[0])).values()
         assert said == "scenarios.0.ankle ([0.01, 0.0] there, [0.0, 0.0] here)"
         with Store(tmp_path / "s.sqlite", problem()) as store:
             assert len(store) == 0
