@@ -70,13 +70,10 @@ def hydra_overrides(overrides: Sequence[str]) -> list[str]:
     """The overrides of a command line as Hydra takes them: run=, objective=[, foot=[, ~/ and .inf in full."""
     short = {"run=": "study.run=", "objective=[": "objective.names=[", "foot=[": "foot.k=["}
     full = [re.sub(r"^(run=|objective=\[|foot=\[)", lambda found: short[found[0]], one) for one in overrides]
-    at_home = (re.sub(r"([=,\[])~/([^,\]]*)", _at_home, one) for one in full)
+    path = r"(?<=[=,\[])~/[^,\]]*"
+    at_home = (re.sub(path, lambda at: _quoted(Path(at[0]).expanduser().as_posix()), one) for one in full)
     quoted = (re.sub(r"(?<=^study\.run=)[^'\"\[,]+$", lambda at: _quoted(at[0]), one) for one in at_home)
     return [re.sub(r"([=,\[]-?)\.inf(?=[,\]]|$)", r"\1inf", one) for one in quoted]
-
-
-def _at_home(found: re.Match[str]) -> str:
-    return found[1] + _quoted((Path.home() / found[2]).as_posix())
 
 
 def _quoted(path: str) -> str:
