@@ -3,7 +3,7 @@
 import math
 import threading
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
@@ -80,10 +80,6 @@ class Output:
             yield
         finally:
             timer.cancel()
-
-    def write_csv(self, name: str, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
-        """Write a table of numbers; a NaN becomes an empty cell."""
-        files.write_csv(self.folder / name, dict(zip(header, zip(*rows, strict=True), strict=True)))
 
     def save(self, name: str, figure: Any, caption: str = "") -> None:
         """Save a figure, or what a function draws, if wanted: PNG, also PDF to print, SVG with a caption."""

@@ -12,6 +12,7 @@ import numpy as np
 
 from footopt.arrays import Array, Ints
 from footopt.errors import check_whole
+from footopt.files.io import write_csv
 from footopt.foot import Waypoints
 from footopt.report.figures.studies import work_precision
 from footopt.report.numbers import percent
@@ -69,7 +70,8 @@ def run(study: Study) -> None:
             measured.append(measure(method, accuracy, feet, scene, space, truth))
             step(news=method)
     others, presets = measured[: -len(preset)], measured[-len(preset) :]
-    study.write_csv("accuracy.csv", [*measured[0].row], [[*m.row.values()] for m in measured])
+    rows = [m.row for m in measured]
+    write_csv(study.folder / "accuracy.csv", {name: [row[name] for row in rows] for name in rows[0]})
     shown = [m for m in others if np.isfinite(m.error)]
     study.save("accuracy", lambda: work_precision(shown, presets), CAPTION)
     entry = {"seed": study.config.solver.seed, "feet": feet.tolist(), "presets": [m.row for m in presets]}

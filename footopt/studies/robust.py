@@ -74,12 +74,10 @@ def run(study: Study) -> None:
     foot = replace(soles[ROBUST], name=ROBUST)
     write_foot(foot, study.folder / "contour.csv")
     if study.wants_report:
-        rows = (
-            [name, s.name, *values[j, i].tolist(), reasons[j, i], regrets[i, j]]
-            for i, name in enumerate(names)
-            for j, s in enumerate(scenarios)
-        )
-        study.write_csv("regrets.csv", ["foot", "scenario", *judge.record, "reason", "regret"], rows)
+        rows = {"foot": np.repeat(names, len(scenarios)), "scenario": names[:-1] * len(names)}
+        rows |= dict(zip(judge.record, values.T.reshape(len(judge.record), -1), strict=True))
+        rows |= {"reason": reasons.T.ravel(), "regret": regrets.ravel()}
+        files.write_csv(study.folder / "regrets.csv", rows)
         files.write_csv(study.folder / "designs.csv", result.columns)
         write_foot(foot, study.folder / "contour.dxf")
     shown = soles if len(soles) <= 1 + SHOWN else {ROBUST: soles[ROBUST]}
