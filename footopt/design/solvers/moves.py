@@ -85,9 +85,6 @@ class RandomInside(Sampling):
 class ExchangeRun(Crossover):
     """Two parents exchange one run of neighbouring waypoints."""
 
-    def __init__(self) -> None:
-        super().__init__(n_parents=2, n_offsprings=2, prob=0.9)
-
     def _do(self, problem: Any, X: Ints, random_state: Any = None, **kwargs: Any) -> Ints:
         return exchanged(X, X[::-1], random_state)
 
@@ -142,7 +139,7 @@ def by_runs() -> dict[str, Any]:
     """
     return {
         "sampling": RandomInside(),
-        "crossover": ExchangeRun(),
+        "crossover": ExchangeRun(n_parents=2, n_offsprings=2, prob=0.9),
         "mutation": ShiftRun(),
         "repair": OnlyNew(),
         "eliminate_duplicates": True,
