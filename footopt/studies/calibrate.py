@@ -165,9 +165,7 @@ def calibrate(path: str | Path, stress_map: StressMap = GENERIC) -> Calibration:
         if (deepest := table["depth_mm"].max()) < SHALLOWEST:
             raise Unusable(f"is at most {deepest:g} mm deep: depth_mm is in mm, and no foot sinks so little.")
         labels = np.array(words)[inside]
-        depth, force, area, angle, direction = (
-            table[name][inside] for name in ("depth_mm", "force_N", "area_cm2", "angle_deg", "direction_deg")
-        )
+        depth, force, area, angle, direction = (table[name][inside] for name in (*COLUMNS, *OPTIONAL))
         if not (area > 0).all():
             raise Unusable("area_cm2 must be > 0, the area of the plate's face.")
         if max(abs(angle).max(), abs(direction).max()) > 180:
@@ -200,13 +198,8 @@ def calibrate(path: str | Path, stress_map: StressMap = GENERIC) -> Calibration:
 
     ratios = {}
     for name, part in parts.items():
-        own = [part & repeat for repeat in repeats.values()]
-        found = [
-            np.divide(_fit(unit[o], force[o]), zeta)
-            for o, zeta in zip(own, zetas, strict=True)
-            if o.sum() > 1
-        ]
-        if found:
+        own = [(part & repeat, zeta) for repeat, zeta in zip(repeats.values(), zetas, strict=True)]
+        if found := [np.divide(_fit(unit[rows], force[rows]), zeta) for rows, zeta in own if rows.sum() > 1]:
             ratio, error = np.transpose(found)
             ratios[name] = _mean(ratio, error[0], int(part.sum()) - 1)
     log = _mean(np.log(zetas), errors[0] / zetas[0], len(force) - 1)
