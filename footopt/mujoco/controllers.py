@@ -8,7 +8,7 @@ from typing import Any, ClassVar, TypeAlias
 import numpy as np
 
 from footopt.arrays import Array
-from footopt.errors import SettingError, check
+from footopt.errors import check
 from footopt.gait import Gait
 
 #: Joints of a leg in `Gait.angles`: hip, knee and ankle turn by the angles between their links.
@@ -65,13 +65,11 @@ class Tracker:
 
     def joints_of(self, model: Any) -> dict[int, str]:
         """The names of the joints, by the number of the actuator that turns each."""
-        found = {}
+        found, names = {}, [model.joint(i).name for i in range(model.njnt)]
         for name in self.joints:
-            row = [i for i in range(model.njnt) if model.joint(i).name == name]
-            if not row:
-                names = ", ".join(model.joint(i).name for i in range(model.njnt))
-                raise SettingError("robot.joints", name, f"a joint of the model: {names}")
-            acts = np.flatnonzero((model.actuator_trntype == 0) & (model.actuator_trnid[:, 0] == row[0]))
+            check(name in names, "robot.joints", name, f"a joint of the model: {', '.join(names)}")
+            own = (model.actuator_trntype == 0) & (model.actuator_trnid[:, 0] == names.index(name))
+            acts = np.flatnonzero(own)
             stiffness = (model.actuator_gainprm[i, 0] + model.actuator_biasprm[i, 1] for i in acts)
             kinds = zip(model.actuator_biastype[acts], model.actuator_gear[acts, 0], stiffness, strict=True)
             allowed = "turned by one position servo with a gear of 1"

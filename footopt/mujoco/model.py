@@ -45,10 +45,9 @@ class Model:
         try:
             spec = _spec(mujoco, source)
             bodies = {body.name: body for body in spec.bodies}
+            names = [name for name in bodies if name and name != "world"]
             for name in feet:
-                if name not in bodies or name == "world":
-                    names = ", ".join(name for name in bodies if name and name != "world")
-                    raise SettingError("robot.feet", name, f"the name of a body: {names}")
+                check(name in names, "robot.feet", name, f"the name of a body: {', '.join(names)}")
             for geom in spec.geoms:
                 if geom.parent.name in feet:
                     geom.contype = geom.conaffinity = 0

@@ -57,11 +57,8 @@ def run(study: Study) -> None:
             evaluate(feet[:1], scene, Accuracy(stepper), space=space, threads=1)
     preset = {name: numerics(PRESETS[name], scene, space) for name in TOLERANCES}
     fine = [replace(PRESETS["fine"], stepper=stepper) for stepper in STEPPERS]
-    settings = [
-        (of.stepper, numbers_at(of, scene.path, rung))
-        for of in fine
-        for rung in ladder(of, scene, space)[1].path
-    ] + [*preset.items()]
+    rungs = ((of, rung) for of in fine for rung in ladder(of, scene, space)[1].path)
+    settings = [*((of.stepper, numbers_at(of, scene.path, rung)) for of, rung in rungs), *preset.items()]
     measured = []
     with study.progress(len(settings) + 1, "setting") as step:
         truth = evaluate(feet, scene, CONVERGED, MEASURED, space, study.config.engine.threads).values
