@@ -86,12 +86,12 @@ def certified(
     certificate does not hold.
     """
     problem, space = result.problem, result.problem.space
-    column = problem.record.index(problem.ranking_objective)
     searched, fresh, count, steps = {k.tobytes() for k in result.k}, set[bytes](), finalists, 0
     while True:
         confirmed = confirm(result, accuracy, count)
         own, good = result.k[confirmed.designs[0]], confirmed.good
-        before, after = result.values[confirmed.designs[good], column], confirmed.values[good, column]
+        both = result.values[confirmed.designs[good]], confirmed.values[good]
+        before, after = (problem.column(each, problem.ranking_objective) for each in both)
         margin = SAFETY * largest_change(before, after, none=0.0)
         pair = result.values[confirmed.designs[:1]], confirmed.values[:1]
         least, goal = (problem.minimised(each)[0, 0] if good[0] else FAILED for each in pair)

@@ -1,6 +1,6 @@
 """Fronts: which designs are on them, their hypervolume, and which design is the answer."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -117,14 +117,14 @@ class Choice:
         for name, limit in self.limits.items():
             MEASURES[name].check_limit(f"choose.limits.{name}", limit)
 
-    def scores(self, f: Array, values: Array, names: Sequence[str], record: Sequence[str]) -> Array:
+    def scores(self, f: Array, names: Sequence[str], column: Callable[[str], Array]) -> Array:
         """How far designs are from the choice, (designs,): the least is chosen.
 
-        f (designs, objectives) are minimised and have the columns `names`; values (designs, record) have
-        their natural signs and the columns `record`.
+        f (designs, objectives) are minimised and have the columns `names`; `column` gives a value of designs
+        by its name, in its natural sign, (designs,).
         """
         if self.by == "efficiency":
-            return np.asarray(values[:, record.index("efficiency")])
+            return column("efficiency")
         low, span = f.min(axis=0), np.ptp(f, axis=0)
         scaled = (f - low) / np.where(span > 0.0, span, 1.0)
         if self.by == "knee":
@@ -134,7 +134,7 @@ class Choice:
             return np.asarray(weighted.max(axis=1) + 1e-4 * weighted.sum(axis=1))
         beyond = np.zeros(len(f))
         for name, limit in self.limits.items():
-            beyond += np.maximum(excess(name, limit, values[:, record.index(name)]), 0.0)
+            beyond += np.maximum(excess(name, limit, column(name)), 0.0)
         return np.asarray(np.where(beyond > 0.0, 2.0 + beyond, scaled[:, 0]))
 
 

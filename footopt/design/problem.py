@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from copy import copy
+from functools import partial
 from typing import Any, NamedTuple, Self
 
 import numpy as np
@@ -92,6 +93,7 @@ class FootProblem(Problem):
         self.choice.check_names(self.names, known)
         usual = (name for name in RECORD if name in known)
         self.record = tuple(dict.fromkeys((*usual, *names, *self.limits)))
+        self._sought = [self.record.index(name) for name in names]
         n, K = self.space.n, self.space.K
         variables = {f"k{i + 1}": Integer(bounds=(1, K)) for i in range(n)}
         super().__init__(n, len(names), 2 + len(self.limits), xl=1, xu=K, vtype=int, vars=variables)
@@ -143,9 +145,13 @@ class FootProblem(Problem):
         table = evaluate(k, self.scene, self.accuracy, self.record, self.space, self.threads)
         return table.values, table.reasons
 
+    def column(self, values: Array, name: str) -> Array:
+        """A recorded value by its name, (...), of values (..., record)."""
+        return np.asarray(values[..., self.record.index(name)])
+
     def minimised(self, values: Array) -> Array:
         """F (designs, objectives) of values (designs, record); each objective's worst for a failed walk."""
-        natural = values[:, [self.record.index(name) for name in self.names]]
+        natural = values[:, self._sought]
         signs, worst = np.array([(o.sign, o.worst) for o in self.objectives], float).T
         return np.asarray(signs * np.where(np.isfinite(natural), natural, worst))
 
@@ -154,13 +160,11 @@ class FootProblem(Problem):
 
         The walk succeeds, with all objectives; the sole stays in its box (in H); all `limits` are kept.
         """
-        known = np.isfinite(values[:, [self.record.index(name) for name in self.names]]).all(axis=1)
+        known = np.isfinite(values[:, self._sought]).all(axis=1)
         failed = np.where((reasons == "") & known, -1.0, 1.0)
         tolerance = self.space.box_tolerance
         box = violation / self.space.H - tolerance if np.isfinite(tolerance) else np.full_like(failed, -1.0)
-        limits = [
-            excess(name, limit, values[:, self.record.index(name)]) for name, limit in self.limits.items()
-        ]
+        limits = [excess(name, limit, self.column(values, name)) for name, limit in self.limits.items()]
         return np.stack([failed, box, *limits], axis=1)
 
     def feasible(self, values: Array, reasons: Words, violation: Array) -> Bools:
@@ -176,10 +180,10 @@ class FootProblem(Problem):
 
     def scores(self, values: Array) -> Array:
         """Designs (designs, record) of a front, or of one objective: the smaller, the better, (designs,)."""
-        f = self.minimised(values)
         if self.n_obj == 1:
-            return np.where(np.isfinite(values[:, self.record.index(self.names[0])]), f[:, 0], np.inf)
-        scores = self.choice.scores(f, values, self.names, self.record)
+            scores = self.objectives[0].sign * self.column(values, self.names[0])
+        else:
+            scores = self.choice.scores(self.minimised(values), self.names, partial(self.column, values))
         return np.where(np.isfinite(scores), scores, np.inf)
 
 

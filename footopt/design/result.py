@@ -152,7 +152,7 @@ class SearchResult:
         """A recorded value of every design, (designs,), natural sign."""
         if name not in self.problem.record:
             raise KeyError(f"no {name!r} is recorded: there are {', '.join(self.problem.record)}")
-        return np.asarray(self.values[:, self.problem.record.index(name)])
+        return self.problem.column(self.values, name)
 
     @property
     def columns(self) -> dict[str, NDArray[Any]]:

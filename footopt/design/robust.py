@@ -114,8 +114,8 @@ class RobustProblem(FootProblem):
 
     def bests(self, values: Array) -> Array:
         """The ranking objective of the best of some feet in each scenario: (scenarios,)."""
-        at = self.record.index(self.ranking_objective)
-        return self.signs[at] * np.nanmin(self.signs[at] * values[..., at], axis=1)
+        sign = MEASURES[self.ranking_objective].sign
+        return sign * np.nanmin(sign * self.column(values, self.ranking_objective), axis=1)
 
     @property
     def conditions(self) -> dict[str, Any]:

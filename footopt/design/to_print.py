@@ -120,7 +120,7 @@ def compare(problem: FootProblem, laws: tuple[Scenario, ...], feet: Ints) -> Und
         changes.append(dict(zip(problem.record, relative.T, strict=True)))
         good = problem.feasible(table.values, table.reasons, problem.space.box_violation(k))
         if problem.n_obj == 1 and good.any():
-            values = table.values[:, problem.record.index(name)]
+            values = problem.column(table.values, name)
             lost = MEASURES[name].sign * values
             row[:] = np.where(good, (lost - lost[good].min()) / _size(values[good], name), np.inf)
     return UnderLaws(laws, k, losses, changes)

@@ -291,7 +291,7 @@ def _draw(study: Study, result: SearchResult, chosen: int, flat: dict[str, float
         base = flat["efficiency"] if relative else None
         study.save("convergence", figures.convergence(result, base))
     if several:
-        values = result.values[:, [problem.record.index(name) for name in problem.names]]
+        values = np.stack([result.column(name) for name in problem.names], axis=1)
         front = values[result.shown]
         marks = {"chosen": values[chosen], "flat sole": [flat[name] for name in problem.names]}
         drawn = figures.scatter_matrix(

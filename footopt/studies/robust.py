@@ -147,7 +147,7 @@ def searched(
 def compare(judge: RobustProblem, values: Array) -> Array:
     """Regrets (feet, scenarios) of feet by values (scenarios, feet, record), of the specialists first."""
     by, references = judge.ranking_objective, judge.bests(values[:, : len(judge.scenarios)])
-    return regret(values[..., judge.record.index(by)], references[:, None], by).T
+    return regret(judge.column(values, by), references[:, None], by).T
 
 
 def table(objective: str, feet: Sequence[str], regrets: Array) -> RichTable:
