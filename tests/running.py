@@ -78,7 +78,7 @@ def footopt(*arguments, cwd):
 def unrender(monkeypatch):
     """No figure is rendered for the rest of a test."""
     figure = matplotlib.figure.Figure
-    monkeypatch.setattr(figure, "savefig", lambda figure, file, **_: file.write(b""))
+    monkeypatch.setattr(figure, "savefig", lambda figure, path, **_: path.write_bytes(b""))
     for method in ("draw_without_rendering", "get_layout_engine"):
         monkeypatch.setattr(figure, method, lambda figure: None)
 

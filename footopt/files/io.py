@@ -157,10 +157,13 @@ def load_module(name: str, setting: str) -> ModuleType:
 
 @contextmanager
 def write_whole(path: Path) -> Iterator[Path]:
-    """A path to write to, which replaces the file at the end; an error leaves the file as it was."""
+    """A path to write to, which replaces the file at the end; an error leaves the file as it was.
+
+    Its folder is made if it is not there.
+    """
     new = path.with_name(f".{path.stem}.new{path.suffix}")  # that of a killed run is replaced
     try:
-        new.unlink(missing_ok=True)
+        path.parent.mkdir(parents=True, exist_ok=True)
         yield new
         os.replace(new, path)
     except FileError:

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -24,13 +23,11 @@ LONGEST = 0.23  # longest arrow in the close-up, of that length
 
 
 def check_film(path: str | Path, setting: str = "path") -> Path:
-    """Raise a `SettingError` or `FileError` unless `animate` can write such a file; make its folder."""
+    """Raise a `SettingError` or `FileError` unless `animate` can write such a file."""
     path = Path(path)
     check(path.suffix.lower() in (".gif", ".mp4"), setting, path.name, "a name that ends in .gif or .mp4")
     if path.suffix.lower() == ".mp4" and not FFMpegWriter.isAvailable():
         raise FileError(f"{path}: an .mp4 needs the program ffmpeg, which is not installed. Try a .gif.")
-    with suppress(OSError):  # `write_whole` says where it cannot write
-        path.parent.mkdir(parents=True, exist_ok=True)
     return path
 
 

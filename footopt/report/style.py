@@ -4,10 +4,9 @@ No pyplot and so no global figure state. Widths are a journal's column and page;
 apart by the colour-blind, and line styles differ, too.
 """
 
-import io
 import textwrap
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from importlib.resources import files as resources
 from pathlib import Path
 from typing import Any
@@ -18,7 +17,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from footopt.errors import check
-from footopt.files.io import write_bytes
+from footopt.files.io import write_whole
 from footopt.walk import Walk
 
 Axes = Any  # matplotlib.axes.Axes
@@ -106,16 +105,12 @@ def save(
 
     The same figure gives the same bytes. Raises `FileError` where a file cannot be written.
     """
-    folder = Path(folder)
-    with suppress(OSError):  # `write_bytes` says where it cannot write
-        folder.mkdir(parents=True, exist_ok=True)
     lay_out(figure)
     figure.set_layout_engine(None)  # all files have the same layout
-    paths = tuple(folder / f"{name}.{ending}" for ending in formats)
+    paths = tuple(Path(folder, f"{name}.{ending}") for ending in formats)
     for path, ending in zip(paths, formats, strict=True):
-        file = io.BytesIO()  # matplotlib's errors on a full disk are of many kinds
-        figure.savefig(file, format=ending, metadata={DATES[ending]: None})
-        write_bytes(path, file.getvalue())
+        with write_whole(path) as new:
+            figure.savefig(new, format=ending, metadata={DATES[ending]: None})
     return paths
 
 

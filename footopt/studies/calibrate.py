@@ -100,9 +100,7 @@ def run(study: Study) -> None:
     name = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_") or "mine"
     if name in (*MEDIA, Sand.name) or WORDS.match(name):
         name = f"sand_{name}"
-    folder = study.folder / "sand"
-    folder.mkdir(parents=True, exist_ok=True)
-    write_text(folder / f"{name}.yaml", sand_file(name, Path(path).name, found, sand))
+    write_text(study.folder / "sand" / f"{name}.yaml", sand_file(name, Path(path).name, found, sand))
     caption = "zeta of the measurements by their depth, and of the sand."
     study.save("calibration", lambda: draw(found), caption)
     use = f"footopt --config-dir {shlex.quote(str(study.folder))} sand={name}"
