@@ -107,10 +107,8 @@ class Output:
             "wall_time_s": self.seconds,
             "wall_time_covers": "the study up to this file, without imports, report.html and a film",
         }
-        with files.write_whole(self.folder / "result.json") as new:
-            new.write_bytes(files.json_text(record).encode())
-            # with what a resumed run has changed: only where there is room for both
-            identity.write(self.folder, self.settings, self.overrides)
+        files.write_text(self.folder / "result.json", files.json_text(record))
+        identity.write(self.folder, self.settings, self.overrides)  # with what a resumed run has changed
         return record
 
     def conclude(
