@@ -128,9 +128,8 @@ class SearchResult:
     @property
     def shown(self) -> Ints:
         """Indices of the front, of which a large one is an even selection of `SHOWN`, the best first."""
-        if len(self.front) <= SHOWN:
-            return self.front
-        return self.front[np.linspace(0, len(self.front) - 1, SHOWN).astype(np.int64)]
+        count = len(self.front)
+        return self.front[np.linspace(0, count - 1, min(count, SHOWN)).astype(np.int64)]
 
     @property
     def foot(self) -> Foot:
