@@ -33,12 +33,6 @@ class Certificate:
     steps: int  # how often a better neighbour took the place of what the search had found
     holds: bool  # whether no neighbour is better; otherwise they were not all evaluated
 
-    @property
-    def short(self) -> str:
-        """It in a few words, or "" where it does not hold."""
-        near = "one waypoint" if self.distance == 1 else "2 waypoints"
-        return f"no better one within {near} of it" if self.holds else ""
-
     def __str__(self) -> str:
         near = "one waypoint" if self.distance == 1 else "up to 2 waypoints"
         known = f"{self.soles:,} soles, {self.inside:,} in their box, {self.walks:,} evaluated for this"

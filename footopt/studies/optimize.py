@@ -182,8 +182,8 @@ def _role(problem: FootProblem) -> str:
 def _about_search(result: SearchResult, confirmed: Confirmation, certificate: Certificate | None) -> str:
     """How many soles were evaluated, and what is known of the best one, in a sentence."""
     space, told = result.problem.space, []
-    if certificate is not None and certificate.short:
-        told.append(certificate.short)
+    if certificate is not None and certificate.holds:
+        told.append(f"no better one within {counted(certificate.distance, 'waypoint')} of it")
     if not confirmed.agrees:
         told.append(f"another one was best before accuracy {confirmed.accuracy.name}")
     if result.stopped or result.interrupted:
