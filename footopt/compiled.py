@@ -5,7 +5,7 @@ import logging
 import os
 import threading
 from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -64,9 +64,7 @@ def _wide() -> Any:
     return triple.create_target_machine(name, f"{features},-prefer-256-bit", config.OPT)
 
 
-def wide_njit(**options: Any) -> Any:
-    """`numba.njit` with the compiler `Wide`."""
-    return njit(pipeline_class=Wide, **options)
+wide_njit: Any = partial(njit, pipeline_class=Wide)  # numba's, with the compiler `Wide`
 
 
 def unless_none(function: Callable[..., Any], **options: Any) -> Callable[..., Any]:
