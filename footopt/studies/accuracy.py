@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from footopt.arrays import Array, Ints
+from footopt.design.problem import RECORD
 from footopt.errors import check_whole
 from footopt.files.io import write_csv
 from footopt.foot import Waypoints
@@ -25,7 +26,6 @@ from footopt.walk.ladder import changes_of, ladder, numbers_at, numerics
 from footopt.walk.steppers import STEPPERS
 
 QUANTILE = 95.0  # of the feet: the error that this share of them does not exceed, %
-MEASURED = (*FIVE, "efficiency")
 CONVERGED = PRESETS["reference"]
 CAPTION = "The error of the worst objective, for 95 % of the feet, against the time that a design takes."
 
@@ -61,7 +61,7 @@ def run(study: Study) -> None:
     settings = [*((of.stepper, numbers_at(of, scene.path, rung)) for of, rung in rungs), *preset.items()]
     measured = []
     with study.progress(len(settings) + 1, "setting") as step:
-        truth = evaluate(feet, scene, CONVERGED, MEASURED, space, study.config.engine.threads).values
+        truth = evaluate(feet, scene, CONVERGED, RECORD, space, study.config.engine.threads).values
         step(news="the converged walks")
         for method, accuracy in settings:
             measured.append(measure(method, accuracy, feet, scene, space, truth))
@@ -75,7 +75,7 @@ def run(study: Study) -> None:
     study.conclude(
         "The cost of accuracy",
         [],
-        entry | scene_entry(scene, numerics(CONVERGED, scene, space), MEASURED),
+        entry | scene_entry(scene, numerics(CONVERGED, scene, space), RECORD),
         summary=[
             f"{len(settings)} settings, {count} feet inside their box.",
             *(_describe(m, others) for m in presets),
@@ -86,14 +86,14 @@ def run(study: Study) -> None:
 def measure(
     method: str, accuracy: Accuracy, feet: Ints, scene: Scene, space: Waypoints, truth: Array
 ) -> Measurement:
-    """Error and cost of one setting; `truth` (feet, `MEASURED`) are the values of the converged walks."""
+    """Error and cost of one setting; `truth` (feet, `RECORD`) are the values of the converged walks."""
     taken = []
     for _ in range(2):  # the first one also makes the table of poses
         started = own_time()
-        found = evaluate(feet, scene, accuracy, MEASURED, space, threads=1)
+        found = evaluate(feet, scene, accuracy, RECORD, space, threads=1)
         taken.append(own_time() - started)
     worst = changes_of(found.values[:, : len(FIVE)], truth[:, : len(FIVE)], scene).max(axis=1)
-    j = MEASURED.index("efficiency")
+    j = RECORD.index("efficiency")
     return Measurement(
         method,
         accuracy,

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from footopt.arrays import Array
+from footopt.design.problem import RECORD
 from footopt.errors import FootoptError
 from footopt.files.io import plain
 from footopt.foot import SHAPES, Foot
@@ -27,12 +28,11 @@ from footopt.report.output import scene_entry
 from footopt.studies.build import check_searchable
 from footopt.studies.paper.walks import SANDS, changes, evidence, switch_losses
 from footopt.studies.runs import Study
-from footopt.walk import FIVE, OBJECTIVES, Walk, simulate
+from footopt.walk import OBJECTIVES, Walk, simulate
 from footopt.walk.results import LEAST_LOAD, stance
 
 Entry = Mapping[str, Any]
 VERDICTS = ("holds", "does not hold", "depends on a choice", "undecided")
-JUDGED = (*FIVE, "efficiency")
 HEADS = ("distance (m)", "mean height (m)", "work (J)", "peak power (W)", "speed loss (m/s)", "J_W")
 Numbers = Mapping[str, Any]  # of a walk, by name; NaN where it failed
 Walks = Mapping[str, Numbers]  # of the walks of `evidence`, by their names; "shapes": of the five together
@@ -106,7 +106,7 @@ def content(
         judged = judge(margin, {change: found[name] for change, found in changed.items()})
         claims.append({"id": name, **CLAIMS[name], **judged})
     feet = {
-        name: {"k": w.foot.k, "reason": w.reason, "objectives": {n: w.objectives[n] for n in JUDGED}}
+        name: {"k": w.foot.k, "reason": w.reason, "objectives": {n: w.objectives[n] for n in RECORD}}
         for name, w in walks.items()
         if name in (*SANDS, *SHAPES)
     }
