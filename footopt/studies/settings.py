@@ -92,8 +92,6 @@ def settings_class(kind: type, null: Collection[str] = (), given: Mapping[str, A
     return make_dataclass(f"{kind.__name__}Settings", made)
 
 
-SpaceConfig: Any = settings_class(Waypoints)
-SolverConfig: Any = settings_class(Solver)
 #: A null zeta means that of the sand.
 SpreadConfig: Any = settings_class(Spread, ("zeta",), {"zeta": setting(None, Spread)})
 BY_HAND = {f.name: setting(None, Accuracy) for f in fields(Accuracy) if f.name != "name"}
@@ -150,7 +148,7 @@ class GaitConfig:
 
 
 @dataclass
-class FootConfig(SpaceConfig):  # type: ignore[misc]  # made of Waypoints' fields as it runs
+class FootConfig(settings_class(Waypoints)):  # type: ignore[misc]  # made of Waypoints' fields as it runs
     """The foot: a space of `Waypoints` (and one sole k in it, to simulate), a shape, or a drawing."""
 
     shape: str = setting("waypoints", "Which sole: waypoints, one of the five shapes, or outline, a drawing.")
@@ -278,7 +276,7 @@ class Config:
     constraint: Any = setting(
         no_limits, "Largest value allowed, or smallest of what is maximised; null: no limit."
     )
-    solver: Any = field(default_factory=SolverConfig)
+    solver: Any = field(default_factory=settings_class(Solver))
     engine: EngineConfig = field(default_factory=EngineConfig)
 
 

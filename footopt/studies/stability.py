@@ -48,8 +48,6 @@ SETTLED = 0.1  # of every limit: refinements of a truth change no measure by mor
 TWICE = 2  # times in a row: once may be chance
 MOST_WORK = 2e9  # evaluations of a plate in a walk that is refined once more
 
-STANDS = "Behind a case: the change when its reference is refined once more."
-
 
 class Measure(NamedTuple):
     """One number about a walk, stable within its limit."""
@@ -133,7 +131,7 @@ def run(study: Study) -> None:
         summary=[
             f"Stable with every method, and not shown: {len(found) - len(failing)} of {len(found)} cases.",
             "Where a method is not stable: the measure that is furthest beyond its limit.",
-            STANDS,
+            "Behind a case: the change when its reference is refined once more.",
         ],
     )
 
