@@ -28,7 +28,6 @@ from footopt.cli.compose import CONF, groups, hydra_overrides, register, resolve
 from footopt.cli.messages import explain, translate
 from footopt.errors import ERROR_FILE, EngineError, FootoptError, check
 from footopt.files import identity
-from footopt.files.identity import Occupied, finished, result_of
 from footopt.files.io import write_text
 from footopt.studies import searches, text, within
 from footopt.studies.build import GROUPS, absolute, check_trusted, load_plugins
@@ -93,10 +92,10 @@ def _job(settings: DictConfig) -> Any:
             remove_empty_run(folder, task_overrides(here, "hydra"))
             sys.exit(f"footopt: error: {message}")
         logging.getLogger("footopt").error("job %s failed: %s", here.job.num, message)  # the other jobs go on
-        if not isinstance(error, Occupied):  # the folder is another's then
+        if not isinstance(error, identity.Occupied):  # the folder is another's then
             write_text(folder / ERROR_FILE, f"{message}\n")
         found = dict[str, float]()
-    if alone and (result := result_of(folder)) and not result.get("feasible", True):
+    if alone and (result := identity.result_of(folder)) and not result.get("feasible", True):
         sys.exit(f"footopt: error: the walk failed: {result['reason']}. {folder} has all about it.")
     if not isinstance(found, Mapping):
         return found
@@ -253,18 +252,18 @@ def _changes(given: Sequence[str]) -> dict[str, Any]:
 
 def _resume_job(job: Path, changes: Mapping[str, Any], given: Sequence[str]) -> None:
     """Go on with a job of a multirun, unless it has a result and no more is wanted."""
-    found = result_of(job)
-    budgets = {f"solver.{name}" for name in BUDGETS}
-    if found and finished(found) and not {*changes} - (set() if searches(found["study"]) else budgets):
+    found = identity.result_of(job)
+    budgets = set() if found and searches(found["study"]) else {f"solver.{name}" for name in BUDGETS}
+    if identity.finished(found) and not {*changes} - budgets:
         return
     try:
         print(f"job {job.name}: {' '.join(identity.read(job).overrides)}", flush=True)
         _resume_run(job, changes, given)
-    except Occupied as error:
+    except identity.Occupied as error:
         print(f"job {job.name}: {error}")
     except (FootoptError, OmegaConfBaseException, OSError) as error:
         logging.getLogger("footopt").error("job %s failed: %s", job.name, explain(error))
-        if not finished(found):
+        if not identity.finished(found):
             write_text(job / ERROR_FILE, f"{explain(error)}\n")
 
 

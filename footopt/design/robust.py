@@ -13,9 +13,8 @@ from footopt.design.scenarios import Scenario
 from footopt.design.search import search
 from footopt.errors import TINY, FootoptError, check, check_kind, check_number
 from footopt.foot import Waypoints
+from footopt.walk import MEASURES, evaluate
 from footopt.walk.accuracy import AnyAccuracy
-from footopt.walk.objectives import MEASURES
-from footopt.walk.simulate import evaluate
 
 #: How values over scenarios become one; "tail" is the mean over the worst share of them (CVaR).
 RISK_MEASURES = ("mean", "tail", "worst")

@@ -17,8 +17,7 @@ from footopt.errors import check, check_kind, check_number, check_whole
 from footopt.foot import Waypoints
 from footopt.gait import Fourier, Gait
 from footopt.sand import Sand
-from footopt.walk.scene import Scene
-from footopt.walk.simulator import Simulator
+from footopt.walk import Scene, Simulator
 
 DEFORMATION = 2  # harmonics, beside the mean, by which an angle differs from stride to stride
 

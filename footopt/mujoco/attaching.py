@@ -24,9 +24,8 @@ from footopt.mujoco.native import functions, memory, remembering
 from footopt.mujoco.step import BEGIN, BEND, BODY, COUNTED, DRIFT, END, MEAN, STEP, TRACED, Workspace
 from footopt.sand import Sand
 from footopt.sand.law import EARTH
-from footopt.walk.accuracy import Accuracy
+from footopt.walk import Accuracy, Scene
 from footopt.walk.discretize import with_bypassed_gates
-from footopt.walk.scene import Scene
 from footopt.walk.state import World
 
 #: Contacts in use by the address of their MjData: they keep alive all the memory that the callback reads.

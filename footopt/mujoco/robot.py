@@ -22,11 +22,10 @@ from footopt.mujoco.model import BIPED, Model
 from footopt.mujoco.traces import RobotWalk, traced
 from footopt.mujoco.walking import MEASURED, check_axes, quiet, walk
 from footopt.sand import Sand
-from footopt.walk.accuracy import Accuracy, Tolerance
+from footopt.walk import Accuracy, Scene, Simulator, Tolerance, Walker
 from footopt.walk.ladder import TOP, Found, Rung, climb, five, plates_at, probes
 from footopt.walk.loop import at_once
-from footopt.walk.scene import Scene, Walker
-from footopt.walk.simulator import Simulator, Walked
+from footopt.walk.simulator import Walked
 
 HALVINGS = 6  # of a model's time step, at most, for an accuracy
 LADDER = 500.0  # walks of a search in whose time its numbers are found at most: half of one of 1,000

@@ -16,8 +16,7 @@ from footopt.foot import Foot
 from footopt.gait import Pose
 from footopt.mujoco.model import with_step
 from footopt.mujoco.walking import AXES, Outcome
-from footopt.walk.accuracy import Accuracy
-from footopt.walk.results import Walk
+from footopt.walk import Accuracy, Walk
 
 WIDE, ASIDE = 800, 90.0  # pixels; degrees: along y, with x to the right
 

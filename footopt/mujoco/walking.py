@@ -19,8 +19,7 @@ from footopt.mujoco.controllers import Tracker
 from footopt.mujoco.joints import RK4, at_joints
 from footopt.mujoco.model import Model, with_step
 from footopt.mujoco.native import library
-from footopt.walk.accuracy import Accuracy
-from footopt.walk.objectives import FIVE
+from footopt.walk import FIVE, Accuracy
 
 #: Quantities that a walk measures, beside how well servos follow.
 MEASURED = (*FIVE, "joint_work", "torque", "survival", "maximum_sinkage", "peak_vertical_force")

@@ -14,7 +14,6 @@ from footopt.arrays import Array, Ints
 from footopt.files.feet import closed_contour
 from footopt.report import style
 from footopt.report.numbers import title
-from footopt.report.style import PALETTE, Axes
 from footopt.walk import Scene, Walk
 
 ARROWS = 20  # parts of a sole, at most, that have a force each
@@ -23,7 +22,7 @@ THIN = 0.02  # of a sole's length: what is drawn of a foot above the highest poi
 ARROW = 0.2  # of the picture's height: an arrow of half of the walk's largest force
 FAR = 1e6  # m, beyond any view
 WIDE, HIGH = 0.12, 0.05  # of a picture: a narrower patch or a thinner layer has no room for its name
-INK = PALETTE["ink"]
+INK = style.PALETTE["ink"]
 LEG = {"lw": 3.0, "alpha": 0.75, "solid_capstyle": "round", "solid_joinstyle": "round"}
 TIMES = "\N{MULTIPLICATION SIGN}"
 
@@ -128,7 +127,7 @@ class Stage:
 
     def draw_feet(
         self,
-        axes: Axes,
+        axes: style.Axes,
         i: int,
         scale: float,
         only: int | None = None,
@@ -157,7 +156,7 @@ class Stage:
         return draw_arrows(axes, at[pushed], force[pushed], scale, "tip" if close else "tail")
 
 
-def draw_ground(axes: Axes, ground: dict[str, list[dict[str, Any]]], words: bool = True) -> None:
+def draw_ground(axes: style.Axes, ground: dict[str, list[dict[str, Any]]], words: bool = True) -> None:
     """Draw the sand within the limits of the axes: its surface, its strips, and gravity on a slope."""
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
     axes.fill_between((left, right), low, 0.0, fc=style.SAND, lw=0, zorder=1.0)
@@ -182,14 +181,14 @@ def draw_ground(axes: Axes, ground: dict[str, list[dict[str, Any]]], words: bool
         write(axes, "\n".join(slope["words"]), place, (0, -2), ha="right", va="top")
 
 
-def draw_arrows(axes: Axes, at: Array, along: Array, scale: float, pivot: str) -> Quiver:
+def draw_arrows(axes: style.Axes, at: Array, along: Array, scale: float, pivot: str) -> Quiver:
     """Draw arrows at places (n, 2) m along vectors (n, 2), of which `scale` are a metre."""
     looks = {"width": 0.014, "headwidth": 4.0, "headlength": 5.0, "headaxislength": 4.5, "minlength": 0.3}
     units = {"angles": "xy", "scale_units": "xy", "scale": scale, "units": "inches"}
     return axes.quiver(*at.T, *along.T, pivot=pivot, color=INK, zorder=2.7, **looks, **units)
 
 
-def draw_key(axes: Axes, arrows: Quiver, largest: float) -> None:
+def draw_key(axes: style.Axes, arrows: Quiver, largest: float) -> None:
     """Draw an arrow as long as a round number of newtons, at most the largest force, with the number."""
     power, (left, right) = 10.0 ** np.floor(np.log10(largest)), axes.get_xlim()
     newtons = power * max(m for m in (1, 2, 5) if m * power <= largest * (1 + 1e-12))
@@ -197,13 +196,13 @@ def draw_key(axes: Axes, arrows: Quiver, largest: float) -> None:
     axes.quiverkey(arrows, tip, 0.06, newtons, f"{newtons:g} N", coordinates="axes", labelpos="E", zorder=6)
 
 
-def write(axes: Axes, text: str, place: ArrayLike, offset: tuple[float, float], **looks: Any) -> None:
+def write(axes: style.Axes, text: str, place: ArrayLike, offset: tuple[float, float], **looks: Any) -> None:
     """Write into the picture at a place in m, moved by an offset in points."""
     halo = [withStroke(linewidth=2.0, foreground="white")]
     axes.annotate(text, place, offset, textcoords="offset points", zorder=6, path_effects=halo, **looks)
 
 
-def draw_walk(axes: Axes, walk: Walk) -> None:
+def draw_walk(axes: style.Axes, walk: Walk) -> None:
     """The walker at equal times, the path of the COM, and the force of the sand on each foot."""
     axes.set(xlabel="$x$ (m)", ylabel="$z$ (m)")
     if len(walk.t) == 0:

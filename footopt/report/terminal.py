@@ -19,14 +19,12 @@ from rich.text import Text
 from footopt.design import EXHAUSTIVE, Confirmation, SearchResult
 from footopt.design.archive import causes
 from footopt.design.search import ENOUGH
-from footopt.effects import Effect, name_of
-from footopt.effects.base import parameters
+from footopt.effects import Effect, name_of, parameters
 from footopt.foot import Foot, Waypoints
 from footopt.foot.waypoints import heights_text
 from footopt.report.numbers import TINY, change, counted, number, percent, quantity, title
 from footopt.sand.law import EARTH
-from footopt.walk import MEASURES, Simulator, gain_shares
-from footopt.walk.checks import Diagnostic
+from footopt.walk import MEASURES, Diagnostic, Simulator, gain_shares
 
 HEADER = 8  # letters of a line of a number's header
 FEW = 1_000  # designs, with which a search may still be some percent from the best known

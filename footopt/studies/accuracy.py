@@ -20,10 +20,9 @@ from footopt.report.numbers import percent
 from footopt.report.output import scene_entry
 from footopt.studies.effects import own_time
 from footopt.studies.runs import Study
-from footopt.walk import FIVE, Accuracy, Scene, evaluate
-from footopt.walk.accuracy import PRESETS, TOLERANCES, work
+from footopt.walk import FIVE, PRESETS, STEPPERS, Accuracy, Scene, evaluate
+from footopt.walk.accuracy import TOLERANCES, work
 from footopt.walk.ladder import changes_of, ladder, numbers_at, numerics
-from footopt.walk.steppers import STEPPERS
 
 QUANTILE = 95.0  # of the feet: the error that this share of them does not exceed, %
 CONVERGED = PRESETS["reference"]

@@ -18,7 +18,6 @@ from footopt.effects import EFFECTS
 from footopt.errors import FileError, SettingError, check
 from footopt.files import identity
 from footopt.files import io as files
-from footopt.files.identity import result_of
 from footopt.files.soles import read_foot
 from footopt.foot import Foot
 from footopt.report.numbers import percent, title
@@ -107,7 +106,7 @@ class Run:
     @cached_property
     def result(self) -> Mapping[str, Any]:
         """The content of its result.json; empty if it left none."""
-        return result_of(self.folder) or {}
+        return identity.result_of(self.folder) or {}
 
     @property
     def objectives(self) -> dict[str, float]:

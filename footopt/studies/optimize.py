@@ -33,8 +33,7 @@ from footopt.studies.build import make_problem, make_start
 from footopt.studies.effects import choose_effects
 from footopt.studies.runs import Study
 from footopt.studies.simulate import check_files, walk_entry, write_film, write_walk
-from footopt.walk import MEASURES, Accuracy, Walk, gain_shares, simulate
-from footopt.walk.checks import Diagnostic
+from footopt.walk import MEASURES, Accuracy, Diagnostic, Walk, gain_shares, simulate
 from footopt.walk.ladder import SHARE, ladder, numerics
 from footopt.walk.objectives import floors
 

@@ -16,7 +16,6 @@ from footopt.design.store import differences, listed
 from footopt.errors import ERROR_FILE, FileError, FootoptError, SettingError, check
 from footopt.files import identity
 from footopt.files import io as files
-from footopt.files.identity import finished, locked, result_of
 from footopt.foot import Foot, Waypoints
 from footopt.report.output import Output
 from footopt.studies import ROBOT, SCENE, SETTING_OF_GROUP, build, searches, within
@@ -77,7 +76,8 @@ class Study(Output):
 
     def store(self, problem: FootProblem) -> Store:
         """The store of designs; see `opened`."""
-        path, before = self.options.store or self.folder / "designs.sqlite", result_of(self.folder) or {}
+        path = self.options.store or self.folder / "designs.sqlite"
+        before = identity.result_of(self.folder) or {}
         same = before and before["settings"]["study"].get("store") == self.settings["study"].get("store")
         store = opened(self.folder, path, problem, self.options.reuse, bool(same))
         if self.options.reuse and store.foreign:
@@ -98,7 +98,7 @@ def opened(folder: Path, path: str | Path, problem: FootProblem, reuse: bool, ow
     """
     store = Store(path, problem, reuse)
     other = store.foreign or (store.nearest if own and type(problem) is FootProblem else [])
-    if other and not (reuse and store.foreign) and finished(result_of(folder)):
+    if other and not (reuse and store.foreign) and identity.finished(identity.result_of(folder)):
         store.close()
         hint = "; or add study.reuse=true, if you know that the walks are the same" if store.foreign else ""
         why = f"other code, or with other files, has walked this finished run ({listed(other)})"
@@ -108,7 +108,7 @@ def opened(folder: Path, path: str | Path, problem: FootProblem, reuse: bool, ow
 
 def check_resumable(folder: Path, before: Mapping[str, Any], after: Mapping[str, Any]) -> None:
     """Raise unless a run may be resumed: only `CHANGEABLE` settings differ, and no budget is smaller."""
-    if not (found := result_of(folder)):
+    if not (found := identity.result_of(folder)):
         return
     changed = differences(files.plain(before), found["settings"])
     if other := [name for name in changed if not within(name, CHANGEABLE)]:
@@ -116,7 +116,7 @@ def check_resumable(folder: Path, before: Mapping[str, Any], after: Mapping[str,
             f"resume = {str(folder)!r}: its result.json is that of another run: {', '.join(other[:4])} "
             f"differ from {identity.FILE}. Start a new run."
         )
-    if not finished(found):
+    if not identity.finished(found):
         return
     study = before["study"]["name"]
     allowed = f"a run of study={', '.join(filter(searches, STUDIES))}, not {study}"
@@ -146,7 +146,7 @@ def run_study(
     """
     at_once(config.engine.threads)  # raises unless it is a number of threads
     config = build.checked(config, overrides)
-    with locked(folder):
+    with identity.locked(folder):
         (folder / ERROR_FILE).unlink(missing_ok=True)  # of a job that failed before
         before = {*folder.iterdir()}
         if not resumed:

@@ -22,8 +22,7 @@ from footopt.studies.build import make_strides
 from footopt.studies.effects import choose_effects
 from footopt.studies.load import changed_since, foot_of
 from footopt.studies.runs import Study
-from footopt.walk import Walk, simulate
-from footopt.walk.checks import Diagnostic, diagnose
+from footopt.walk import Diagnostic, Walk, diagnose, simulate
 from footopt.walk.resolution import error_of, resolution
 from footopt.walk.results import stance
 

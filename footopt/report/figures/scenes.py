@@ -12,7 +12,6 @@ from footopt.files.strides import Strides
 from footopt.foot import Foot, lower_hull
 from footopt.gait import Gait, ankle
 from footopt.report import style
-from footopt.report.style import Axes, as_text
 from footopt.sand import Sand
 from footopt.sand.law import PER_CM3, alpha
 from footopt.walk import Walker
@@ -36,14 +35,14 @@ def contours(feet: Mapping[str, Foot]) -> Figure:
     figure = style.new_figure(style.PAGE, style.PAGE)
     axes = figure.subplots()
     for i, (label, foot) in enumerate(feet.items()):
-        axes.plot(*(MM * foot.contour).T, **style.look(label, i), label=as_text(label))
+        axes.plot(*(MM * foot.contour).T, **style.look(label, i), label=style.as_text(label))
     _label_axes(axes)
     style.legend_above(figure)
     style.fit_height(figure, [axes])
     return figure
 
 
-def draw_contour(axes: Axes, foot: Foot) -> None:
+def draw_contour(axes: style.Axes, foot: Foot) -> None:
     """A sole in the foot frame, mm; see `contour`."""
     near = {"textcoords": "offset points", "zorder": 6}
     if foot.space is not None:
@@ -77,7 +76,7 @@ def draw_contour(axes: Axes, foot: Foot) -> None:
     _label_axes(axes, 0.09, 0.06)  # for words
 
 
-def _label_axes(axes: Axes, below: float = 0.03, above: float = 0.03) -> None:
+def _label_axes(axes: style.Axes, below: float = 0.03, above: float = 0.03) -> None:
     """Label axes in mm with equal scales, with room below and above what is drawn, as parts of the width."""
     axes.set(xlabel="$x_p$ (mm), to the toe", ylabel="$z_p$ (mm)", aspect="equal")
     (low, high), wide = axes.get_ylim(), np.ptp(axes.get_xlim())
@@ -104,7 +103,7 @@ def gait_fit(strides: Strides, gait: Gait) -> Figure:
     return figure
 
 
-def draw_angles(axes: Axes, gait: Gait) -> None:
+def draw_angles(axes: style.Axes, gait: Gait) -> None:
     """Joint angles of the steady walk over a stride, deg."""
     phase = np.linspace(0.0, 1.0, 201)
     looks = zip(style.COLOURS, ("-", "--", "-."), strict=False)
@@ -116,7 +115,7 @@ def draw_angles(axes: Axes, gait: Gait) -> None:
     axes.set(xlabel="stride (%), from heel strike", ylabel="angle (deg)", xlim=(0, 100))
 
 
-def draw_path(axes: Axes, gait: Gait, walker: Walker | None = None) -> None:
+def draw_path(axes: style.Axes, gait: Gait, walker: Walker | None = None) -> None:
     """The ankle's path around the hip over a stride, for a walker's legs."""
     walker = walker or Walker()
     (thigh, a), (shank, b), _ = gait.cycle(np.linspace(0.0, 1.0, 201))
@@ -131,7 +130,7 @@ def draw_path(axes: Axes, gait: Gait, walker: Walker | None = None) -> None:
     axes.margins(0.08, 0.12)
 
 
-def draw_stress(axes: Axes, sand: Sand, component: str = "alpha_z") -> None:
+def draw_stress(axes: style.Axes, sand: Sand, component: str = "alpha_z") -> None:
     """The stress per depth, zeta alpha_x or zeta alpha_z, by a plate's angle beta and its motion's, gamma."""
     angle = np.linspace(-90.0, 90.0, 181)
     gamma, beta = np.meshgrid(np.radians(angle), np.radians(angle))
@@ -144,5 +143,5 @@ def draw_stress(axes: Axes, sand: Sand, component: str = "alpha_z") -> None:
     axes.set(xlabel=r"$\gamma$ (deg): motion, + down", ylabel=r"$\beta$ (deg): plate, + toe up")
     axes.set(xticks=range(-90, 91, 45), yticks=range(-90, 91, 45), aspect="equal")
     name = rf"\alpha_{component[-1]}"
-    axes.set_title(rf"$\zeta{name}$ (N/cm³), {as_text(sand.name)} sand")
+    axes.set_title(rf"$\zeta{name}$ (N/cm³), {style.as_text(sand.name)} sand")
     axes.figure.colorbar(shades, ax=axes, shrink=0.9, ticks=MaxNLocator(6))

@@ -13,7 +13,6 @@ from footopt.report import style
 from footopt.report.figures.scenes import contour, contours, draw_angles, draw_path
 from footopt.report.figures.walks import com, forces, power_work, step
 from footopt.report.numbers import title
-from footopt.report.style import Axes
 from footopt.walk import Walk, Walker
 
 WORST = "error of the worst objective (%),\nnot exceeded by 95 % of the feet"
@@ -132,7 +131,7 @@ def experiment(found: Sequence[Any], x: str = "") -> Figure:
     return figure
 
 
-def _against_x(ax: Axes, own: Sequence[Any], colours: Sequence[str]) -> None:
+def _against_x(ax: style.Axes, own: Sequence[Any], colours: Sequence[str]) -> None:
     """Lines with bands, and the data."""
     for c, colour, dashes in zip(own, colours, style.DASHES, strict=False):
         ax.plot(c.points, c.simulated, color=colour, ls=dashes, label=law_name(c.law))
@@ -142,7 +141,7 @@ def _against_x(ax: Axes, own: Sequence[Any], colours: Sequence[str]) -> None:
     ax.set_ylabel(axis_name(c))
 
 
-def _by_name(ax: Axes, own: Sequence[Any], colours: Sequence[str]) -> None:
+def _by_name(ax: style.Axes, own: Sequence[Any], colours: Sequence[str]) -> None:
     """A row for each point, in it the data and each law."""
     rows, gap = np.arange(len(own[0].points)), 0.8 / (len(own) + 1)
     for i, (c, colour) in enumerate(zip(own, colours, strict=True), start=1):
@@ -154,7 +153,7 @@ def _by_name(ax: Axes, own: Sequence[Any], colours: Sequence[str]) -> None:
     ax.set(xlabel=axis_name(c), ylim=(rows[-1] + 1.0 - gap, -gap))
 
 
-def _parity(ax: Axes, own: Sequence[Any], colours: Sequence[str]) -> None:
+def _parity(ax: style.Axes, own: Sequence[Any], colours: Sequence[str]) -> None:
     """Prediction against measurement, with the band in which they agree."""
     for i, (c, colour) in enumerate(zip(own, colours, strict=True)):
         size = {"mfc": "none", "mew": 0.8, "ms": 5.0} if i else {"ms": 3.5}  # one often lies on the other

@@ -15,7 +15,6 @@ from footopt.errors import SettingError
 from footopt.gait import RIGHT
 from footopt.report import style
 from footopt.report.stage import ARROWS, Stage, draw_ground, draw_key
-from footopt.report.style import Axes
 from footopt.walk import Walk
 from footopt.walk.objectives import Objective, lookup
 from footopt.walk.results import stance
@@ -82,7 +81,7 @@ forces = partial(_panels, names=["force"], sharey="col")
 power_work = partial(_panels, names=["power", "work"], sharey="row")
 
 
-def draw_quantity(axes: Axes, walk: Walk, name: str) -> None:
+def draw_quantity(axes: style.Axes, walk: Walk, name: str) -> None:
     """All components of one of `QUANTITIES` of a walk against time."""
     for symbol, index in components(walk, name).items():
         colour = style.SIDES[index[0]][1] if "foot" in symbol else style.COLOURS[index[0]]
@@ -91,7 +90,7 @@ def draw_quantity(axes: Axes, walk: Walk, name: str) -> None:
     axes.set(xlabel="time $t$ (s)", ylabel=QUANTITIES[name][0])
 
 
-def _draw(axes: Axes, walk: Walk, name: str, index: tuple[int, ...], looks: dict[str, Any]) -> None:
+def _draw(axes: style.Axes, walk: Walk, name: str, index: tuple[int, ...], looks: dict[str, Any]) -> None:
     """One component of a trace; that of a walk which failed ends in a cross."""
     values = np.round(getattr(walk, name)[(slice(None), *index)], ROUNDING)
     axes.plot(walk.t, values, **looks)
@@ -99,7 +98,7 @@ def _draw(axes: Axes, walk: Walk, name: str, index: tuple[int, ...], looks: dict
         axes.plot(walk.t[-1], values[-1], "x", color=looks["color"], ms=6, mew=1.5)
 
 
-def _finish(axes: Axes, walks: Iterable[Walk]) -> None:
+def _finish(axes: style.Axes, walks: Iterable[Walk]) -> None:
     """Thin lines at the heel strikes, and words where no walk has a sample."""
     shown = list(walks)
     for i, strike in enumerate(sorted({float(h) for w in shown for h in w.scene.strikes})):
@@ -162,7 +161,7 @@ def convergence(result: Any, base: float | None = None) -> Figure:
     return figure
 
 
-def draw_convergence(axes: Axes, result: Any, base: float | None = None) -> None:
+def draw_convergence(axes: style.Axes, result: Any, base: float | None = None) -> None:
     """Best and median on one axes; see `convergence`."""
     names, scale = result.problem.names, base or 1.0
     evaluations, best, median, volume = (
@@ -207,7 +206,7 @@ def scatter_matrix(
 
 
 def draw_pair(
-    axes: Axes,
+    axes: style.Axes,
     groups: Mapping[str, ArrayLike],
     objectives: Sequence[Objective],
     marks: Mapping[str, ArrayLike] | None = None,

@@ -21,14 +21,13 @@ from footopt.report.stage import ARROWS, forces_along, ground, groups
 from footopt.report.style import sides
 from footopt.report.terminal import describe_confirmation, describe_scene, describe_search
 from footopt.sand.law import EARTH, PER_CM3
-from footopt.walk import MEASURES, Accuracy, Scene, Walk, discretize, newton
+from footopt.walk import MEASURES, STEPPERS, Accuracy, Scene, Walk, discretize, newton
 from footopt.walk.accuracy import AnyAccuracy
 from footopt.walk.checks import WHY
 from footopt.walk.contact import BENT, EXPOSED, TURN
 from footopt.walk.ladder import numerics
 from footopt.walk.loop import MAX_REPEATS, NEAR_PEAK, PEAK
 from footopt.walk.objectives import floors
-from footopt.walk.steppers import STEPPERS
 
 FRAMES = 250  # samples of a walk's forces along the sole
 SAMPLES = 4  # of its other traces, at most, for each of them
