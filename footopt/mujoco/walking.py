@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from footopt.arrays import Array
-from footopt.errors import SettingError, check
+from footopt.errors import check
 from footopt.foot import Foot
 from footopt.mujoco.attaching import Contact
 from footopt.mujoco.controllers import Tracker
@@ -145,12 +145,11 @@ def check_axes(robot: Any) -> None:
 
     model, (gx, gy, gz) = robot.model.compiled, robot.model.compiled.opt.gravity.tolist()
     check(-gz > abs(gx) + abs(gy), "robot.model", [gx, gy, gz], "of gravity along -z")
-    data = posed(robot, model, mujoco.MjData(model))
+    data, allowed = posed(robot, model, mujoco.MjData(model)), "a body with x forward and z up at the start"
+    hint = "Put a body inside of it that has these axes and no joint, and name that one."
     for name in robot.feet:
         x, _, z = data.body(name).xmat.reshape(3, 3).T
-        if x[0] < SQUARE or z[2] < SQUARE:
-            hint = "Put a body inside of it that has these axes and no joint, and name that one."
-            raise SettingError("robot.feet", name, "a body with x forward and z up at the start", hint)
+        check(min(x[0], z[2]) >= SQUARE, "robot.feet", name, allowed, hint)
 
 
 def soles_of(robot: Any, foot: Foot) -> dict[str, Foot]:
