@@ -142,8 +142,15 @@ def bristle_length(effects: Sequence[Effect]) -> float | None:
 
 def reshaping(effects: Sequence[Effect]) -> Reshape | None:
     """How a scene's effects change soles before plates are cut from them; None where they do not."""
-    steps = [e.reshape for e in effects if type(e).reshape is not Effect.reshape]
-    return (lambda points: reduce(lambda sole, step: step(sole), steps, points)) if steps else None
+    own = [e for e in effects if type(e).reshape is not Effect.reshape]
+    return (lambda points: reduce(_reshaped, own, points)) if own else None
+
+
+def _reshaped(points: Array, effect: Effect) -> Array:
+    """Soles as an effect changes them, checked."""
+    found, allowed = np.asarray(effect.reshape(points)), f"of the shape that it is given, {points.shape}"
+    check(found.shape == points.shape, f"effects.{name_of(effect)}.reshape", found.shape, allowed)
+    return found
 
 
 def gravity(effects: Sequence[Effect], g: float) -> tuple[float, float]:

@@ -79,6 +79,15 @@ def own(tmp_path_factory):
 
 
 class TestAnEffectOfOnesOwn:
+    def test_that_reshapes_soles_into_fewer_points_is_refused(self, flat_foot):
+        @dataclass(frozen=True)
+        class Halved(Effect):
+            def reshape(self, points):
+                return points[:, ::2]
+
+        with pytest.raises(SettingError, match=r"reshape.*shape that it is given"):
+            fo.simulate(flat_foot, fo.Scene(effects=[Halved()]))
+
     @pytest.mark.slow  # of compiling
     def test_acts_in_a_walk_as_an_exact_pressure(self, own, flat_foot):
         """Plates feel the law and (cohesion + rate v_n) dA, by the trace; at first that is the weight."""
