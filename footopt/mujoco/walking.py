@@ -190,12 +190,17 @@ def outcome(
         reason = "backward"
     if not reason:
         late = t >= robot.after - 1e-9
-        # force of a step: an implicit integrator takes the damping of servos at its end, but at their limits
-        damping = np.where(force.any(axis=0) & (m.actuator_biastype == 1), m.actuator_biasprm[:, 2], 0.0)
+        # force of a step: an implicit integrator takes the damping of servos at its end, but at their limits;
+        # RK4 lets a servo follow its joint within the step
+        servo = force.any(axis=0) & (m.actuator_biastype == 1)
+        stiffness, damping = np.where(servo, m.actuator_biasprm[:, 1:3].T, 0.0)
         low, high = np.where(m.actuator_forcelimited[:, None], m.actuator_forcerange, [-np.inf, np.inf]).T
         given, (force, gear) = force, at_joints(m, force)
         implicit = (m.opt.integrator > RK4) & (low < force) & (force < high) & (force == given)
         mean = force[:-1] + implicit[:-1] * damping * np.diff(speed, axis=0)
+        if m.opt.integrator == RK4:
+            last = given[:-1] + stiffness * np.diff(place, axis=0) + damping * np.diff(speed, axis=0)
+            mean = 0.5 * (force[:-1] + at_joints(m, np.clip(last, low, high))[0])
         power = np.maximum(mean * 0.5 * (speed[:-1] + speed[1:]), 0.0).sum(axis=1)
         v = velocity[late, 0]
         totals |= {

@@ -270,6 +270,8 @@ def checked(config: Config, overrides: Iterable[str]) -> Config:
     reads, simulator = read_by(name), config.simulator.name
     if simulator != "walker" and covers("walker", reads) and not covers("simulator", reads):
         raise SettingError("simulator", simulator, f"walker for study={name}")
+    named, hint = not config.effects.auto or simulator == "walker", "Try effects=[leading_edge,shadowing]."
+    check(named, "effects", "auto", f"a list of effects with simulator={simulator}", hint)
     if name != "optimize" and (limits := make_limits(config)):
         raise SettingError("constraint", limits, f"left out for study={name}", "study=optimize keeps limits.")
     return config

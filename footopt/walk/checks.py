@@ -110,19 +110,19 @@ def diagnose(walk: Walk) -> list[Diagnostic]:
     trailing = power[vn < 0].sum()
     stood = 0.0 if walk.scene.holds else float(min(walk.scene.gait.start, walk.t[-1]))
     sinks = 1.5 * sinking_speed(walk, stood) * stood if stood > 0.0 else 0.0  # integral of the speed
-    steps = len(walk.scene.strikes)  # a walker that stands does no work to speak of
+    moves = np.ptp(walk.com[:, 0]) > shortest(walk.scene)  # a walker that stands does no work to speak of
     rows = (  # the value, its unit, and its limit
         (walk.totals.get("maximum_sinkage", float(depth.max())), "m", walk.foot.width),
         (ankle_depth(walk), "m", 0.0),
         (float((size * speed).sum() / total_force), "m/s", 0.5),
         (float(inertia.sum() / total_force), "", math.inf if counted else 0.05),
-        (float(trailing / total_power) if steps else 0.0, "", 0.2),
+        (float(trailing / total_power) if moves else 0.0, "", 0.2),
         (sinks, "m", shortest(walk.scene)),
         (-walk.scene.sand.stress_map.dissipation(), "N/cm^3", 0.0),  # no error bound holds beyond it
         (slender, "", 0.8),  # from 0.1 to 0.5 of animals and robots
         (1.0 / slender, "", 20.0),
         (float(np.degrees(np.abs(walk.pitch(walk.t[:1])).min())), "deg", 10.0),
-        (floored if walk.feasible and steps else 0.0, "", 1.0),
+        (floored if walk.feasible and moves else 0.0, "", 1.0),
     )
     found = [Diagnostic(name, *row, why) for (name, why), row in zip(WHY.items(), rows, strict=True)]
     return [d for d in found if d.outside or d.name not in RARE]

@@ -46,6 +46,7 @@ LIKEWISE = {
     "choose=limits objective=pareto": "choose.limits",
     "simulator=robot": "robot.model = None",
     "simulator=biped walker.mass=20": "walker.mass",
+    "simulator=biped effects=auto": "effects = 'auto'",
     "objective=distance,work": "'objective=[distance,work]'. For a run of each: footopt -m",
     "simulator=biped robot.controller=broken.csv:f": "robot.controller = 'broken.csv:f'",
     "study=transfer study.sands=[mud]": "study.sands",
