@@ -28,7 +28,7 @@ from footopt.cli.compose import CONF, groups, hydra_overrides, register, resolve
 from footopt.cli.messages import explain, translate
 from footopt.errors import ERROR_FILE, EngineError, FootoptError, check
 from footopt.files import identity
-from footopt.files.io import write_text
+from footopt.files.io import reload_edited, write_text
 from footopt.studies import searches, text, within
 from footopt.studies.build import GROUPS, absolute, check_trusted, load_plugins
 from footopt.studies.load import Run, load
@@ -198,6 +198,7 @@ def run(overrides: Sequence[str] = (), folder: str | Path | None = None) -> Run:
         return load(resumed[-1].strip("'\""))
     there: Path | None = None
     try:
+        reload_edited()
         with _composing, initialize_config_dir(str(CONF), version_base="1.3"):
             register(words := hydra_overrides(given))
             settings = compose("config", words, return_hydra_config=True)

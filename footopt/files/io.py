@@ -9,7 +9,7 @@ import sys
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
-from importlib import import_module
+from importlib import import_module, invalidate_caches
 from importlib.metadata import version
 from pathlib import Path
 from types import ModuleType
@@ -23,6 +23,7 @@ from footopt.walk.own_code import sources
 
 Variable = tuple[tuple[str, ...], str, Array]  # dimensions, unit, values
 Table = dict[str, list[str]]  # cells of a table by its columns
+_loaded: dict[str, tuple[ModuleType, str]] = {}  # the user's files, and the settings that named them
 
 
 def read_bytes(path: str | Path, setting: str) -> bytes:
@@ -152,7 +153,18 @@ def load_module(name: str, setting: str) -> ModuleType:
     check(own, setting, name, "a file whose name is not that of another module", f"Rename {path.name}.")
     if is_file:  # before it is edited, or has computed anything
         sources(vars(module), str(module.__file__))
+        _loaded[str(module.__file__)] = module, setting
     return module
+
+
+def reload_edited() -> None:
+    """Import the files again that `load_module` has imported and that were edited since."""
+    for file, (module, setting) in list(_loaded.items()):
+        path = Path(file)
+        if path.is_file() and path.read_bytes() != sources(vars(module), file)[0]:
+            invalidate_caches()
+            sys.modules.pop(module.__name__, None)
+            load_module(file, setting)
 
 
 @contextmanager

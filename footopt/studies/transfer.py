@@ -47,7 +47,10 @@ class Comparison(NamedTuple):
 
 
 def run(study: Study) -> None:
-    """Design feet on both simulators on every sand, walk with each on both, and rank random soles."""
+    """Design feet on both simulators on every sand, walk with each on both, and rank random soles.
+
+    The walker has the robot's mass and gravity.
+    """
     config, options = study.config, study.options
     names = config.objective.names
     check(len(names) == 1, "objective", names, "one objective", "Such as objective=efficiency.")
@@ -58,9 +61,11 @@ def run(study: Study) -> None:
         raise SettingError("simulator", WALKER, "a robot, to compare with the walker", "Try simulator=biped.")
     solver = study.solver()
     planar, found = resolve("standard"), list[Comparison]()
+    walker = replace(study.scene.walker, mass=robot.weight / robot.g, g=robot.g)
+    scene = replace(study.scene, walker=walker)
     for sand in map(named, options.sands):
         sides = (
-            Side(WALKER, replace(study.scene, sand=sand), planar, confirming("finer", planar), options.walks),
+            Side(WALKER, replace(scene, sand=sand), planar, confirming("finer", planar), options.walks),
             Side(ROBOT, replace(robot, sand=sand), study.accuracy, study.finer_accuracy, solver.walks),
         )
         found.append(_compared(study, sand, sides, names[0], solver))

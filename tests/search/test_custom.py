@@ -96,6 +96,19 @@ class TestPlugins:
         assert key_of(problem)["own"] != after
         assert key_of(fo.FootProblem())["own"] == {}
 
+    def test_a_run_of_the_same_session_takes_a_file_as_it_has_been_edited(self, tmp_path):
+        own, found = tmp_path / "own_price.py", []
+        for price in (1.0, 22.0):
+            own.write_text(
+                "from footopt.walk.objectives import measure\n"
+                "@measure('foot', 'p', 'EUR', maximise=False, worst=9.0)\n"
+                f"def own_price(foot):\n    return {price}\n"
+            )
+            words = [f"plugins=['{own.as_posix()}']", "study=simulate", "foot=ellipse", "objective=own_price"]
+            run = fo.run([*words, "accuracy=draft", "report=none"], tmp_path / str(price))
+            found.append(run.objectives["own_price"])
+        assert found == [1.0, 22.0]
+
     @pytest.mark.parametrize(
         "read", ["json.load(FILE)", "scipy.interpolate.CubicSpline([0, 1], json.load(FILE))"]
     )
