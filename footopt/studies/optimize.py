@@ -154,7 +154,7 @@ def _tell(
     study.say(
         f"{which} for {terminal.describe_scene(walk.scene)}: {terminal.describe_foot(walk.foot)}",
         *([] if several else [terminal.headline(sought, values[sought], base[sought], laws.ranges)]),
-        terminal.objective_table(_role(problem), values, base, under=laws.ranges, told=sought),
+        terminal.objective_table(_role(problem), values, base, under=laws.ranges, told="efficiency"),
         laws.rank + terminal.describe_errors(errors, values),
         _about_search(result, confirmed, certificate),
         *laws.printed,
