@@ -222,10 +222,10 @@ def climb(
         return [at(rung.up(by, times, top)) for times in range(1, 2 + twice)]
 
     def closest() -> Found:
-        """The cheapest rung nearly as close as any to the finest walks, of those where fewest probes miss."""
+        """The cheapest rung nearly as close as any to the finest walks, of those with fewest probes off."""
         ups = [at(one) for one in walked if min(map(sub, one, rung)) >= 0]
         errors = {one: safe * _changed(at(one)[0], ups) for one in path}
-        missed = {one: (each.max(axis=1) > tolerance).sum() for one, each in errors.items()}
+        missed = {one: (each.max(axis=1) > allowed).sum() for one, each in errors.items()}
         fewest = [one for one in errors if missed[one] == min(missed.values())]
         means = {one: np.log(np.clip(errors[one].max(axis=1), allowed, 1.0)).mean() for one in fewest}
         near = [one for one in fewest if means[one] <= min(means.values()) + math.log(NEARLY)]
