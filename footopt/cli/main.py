@@ -192,13 +192,13 @@ def run(overrides: Sequence[str] = (), folder: str | Path | None = None) -> Run:
     """
     check(not isinstance(overrides, str), "overrides", overrides, f"a list, such as [{overrides!r}]")
     given = [str(one) for one in overrides]
+    reload_edited()
     if resumed := [one.partition("=")[2] for one in given if one.startswith("resume=")]:
         check(folder is None, "folder", folder, "left out with resume=FOLDER, where the run goes on")
         resume(given)
         return load(resumed[-1].strip("'\""))
     there: Path | None = None
     try:
-        reload_edited()
         with _composing, initialize_config_dir(str(CONF), version_base="1.3"):
             register(words := hydra_overrides(given))
             settings = compose("config", words, return_hydra_config=True)

@@ -158,12 +158,13 @@ def load_module(name: str, setting: str) -> ModuleType:
 
 
 def reload_edited() -> None:
-    """Import the files again that `load_module` has imported and that were edited since."""
+    """Import files that `load_module` has imported again, if they or what they import was edited since."""
     for file, (module, setting) in list(_loaded.items()):
-        path = Path(file)
-        if path.is_file() and path.read_bytes() != sources(vars(module), file)[0]:
+        known = sources(vars(module), file)
+        if any(Path(path).is_file() and Path(path).read_bytes() != text for path, text in known.items()):
+            for name in [name for name, one in sys.modules.items() if getattr(one, "__file__", "") in known]:
+                del sys.modules[name]
             invalidate_caches()
-            sys.modules.pop(module.__name__, None)
             load_module(file, setting)
 
 

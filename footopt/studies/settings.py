@@ -92,6 +92,7 @@ def settings_class(kind: type, null: Collection[str] = (), given: Mapping[str, A
     return make_dataclass(f"{kind.__name__}Settings", made)
 
 
+SpaceConfig: Any = settings_class(Waypoints)
 #: A null zeta means that of the sand.
 SpreadConfig: Any = settings_class(Spread, ("zeta",), {"zeta": setting(None, Spread)})
 BY_HAND = {f.name: setting(None, Accuracy) for f in fields(Accuracy) if f.name != "name"}
@@ -148,7 +149,7 @@ class GaitConfig:
 
 
 @dataclass
-class FootConfig(settings_class(Waypoints)):  # type: ignore[misc]  # made of Waypoints' fields as it runs
+class FootConfig(SpaceConfig):
     """The foot: a space of `Waypoints` (and one sole k in it, to simulate), a shape, or a drawing."""
 
     shape: str = setting("waypoints", "Which sole: waypoints, one of the five shapes, or outline, a drawing.")

@@ -104,18 +104,18 @@ def source_of(thing: Any) -> bytes:
     """The file of a function or type, and the user's files that it imports; its code if it has no file."""
     try:
         there = getattr(thing, "__globals__", None) or vars(sys.modules[thing.__module__])
-        return b"".join(sources(there, inspect.getfile(thing)))
+        return b"".join(sources(there, inspect.getfile(thing)).values())
     except (OSError, TypeError, KeyError):
         # version 2 marks no object by how often it is in use
         parts = vars(thing).values() if isinstance(thing, type) else [thing]
         return b"".join(marshal.dumps(part.__code__, 2) for part in parts if hasattr(part, "__code__"))
 
 
-def sources(there: Mapping[str, Any], path: str) -> list[bytes]:
-    """The file of a user's module, by its variables, and of those that it imports, as they were then."""
+def sources(there: Mapping[str, Any], path: str) -> dict[str, bytes]:
+    """The file of a user's module, by its variables, and those that it imports, as they were, by path."""
     files = {path: imported(there, path).source}
     _read_imported(there, path, files)
-    return [*files.values()]
+    return files
 
 
 def _read_imported(there: Mapping[str, Any], path: str, files: dict[str, bytes]) -> None:

@@ -96,17 +96,21 @@ class TestPlugins:
         assert key_of(problem)["own"] != after
         assert key_of(fo.FootProblem())["own"] == {}
 
-    def test_a_run_of_the_same_session_takes_a_file_as_it_has_been_edited(self, tmp_path):
-        own, found = tmp_path / "own_price.py", []
-        for price in (1.0, 22.0):
-            own.write_text(
-                "from footopt.walk.objectives import measure\n"
-                "@measure('foot', 'p', 'EUR', maximise=False, worst=9.0)\n"
-                f"def own_price(foot):\n    return {price}\n"
-            )
-            words = [f"plugins=['{own.as_posix()}']", "study=simulate", "foot=ellipse", "objective=own_price"]
-            run = fo.run([*words, "accuracy=draft", "report=none"], tmp_path / str(price))
-            found.append(run.objectives["own_price"])
+    @pytest.mark.parametrize("edited", ["price", "rates"])
+    def test_a_run_of_the_same_session_takes_files_as_they_have_been_edited(self, edited, tmp_path):
+        """A plugin, or what it imports."""
+        files, found = {name: tmp_path / f"{name}_{edited}.py" for name in ("price", "rates")}, []
+        files["rates"].write_text("RATE = 1.0\n")
+        files["price"].write_text(
+            f"from rates_{edited} import RATE\nfrom footopt.walk.objectives import measure\n"
+            "@measure('foot', 'p', 'EUR', maximise=False, worst=9.0)\n"
+            "def own_price(foot):\n    return 1.0 * RATE\n"
+        )
+        words = [f"plugins=['{files['price'].as_posix()}']", "study=simulate", "objective=own_price"]
+        for name in ("before", "after"):
+            given = [*words, "foot=ellipse", "accuracy=draft", "report=none"]
+            found.append(fo.run(given, tmp_path / name).objectives["own_price"])
+            files[edited].write_text(files[edited].read_text().replace("1.0", "22.0"))
         assert found == [1.0, 22.0]
 
     @pytest.mark.parametrize(
