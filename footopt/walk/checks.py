@@ -110,7 +110,8 @@ def diagnose(walk: Walk) -> list[Diagnostic]:
     trailing = power[vn < 0].sum()
     stood = 0.0 if walk.scene.holds else float(min(walk.scene.gait.start, walk.t[-1]))
     sinks = 1.5 * sinking_speed(walk, stood) * stood if stood > 0.0 else 0.0  # integral of the speed
-    moves = np.ptp(walk.com[:, 0]) > shortest(walk.scene)  # a walker that stands does no work to speak of
+    # a walker that stands does no work to speak of, but may creep
+    moves = len(walk.scene.strikes) > 0 if walk.scene.gait else np.ptp(walk.com[:, 0]) > shortest(walk.scene)
     rows = (  # the value, its unit, and its limit
         (walk.totals.get("maximum_sinkage", float(depth.max())), "m", walk.foot.width),
         (ankle_depth(walk), "m", 0.0),

@@ -181,3 +181,11 @@ class TestValidity:
             names = {d.name for d in diagnose(fo.simulate(flat_foot, fo.Scene(t_f=t_f)))}
             assert any("floor" in name for name in names) == below
             assert not any("length" in name for name in names)
+
+    def test_a_walker_that_stands_is_told_nothing_of_its_work(self, flat_foot):
+        """On a slope it creeps by more than a millimetre in a minute."""
+        still = replace(fo.Gait.human(), start=math.inf)
+        scene = fo.Scene(sand=fo.Sand(20.0), gait=still, t_f=60.0, effects=[fo.Slope(-10.0)])
+        walk = fo.simulate(flat_foot, scene, "draft")
+        assert np.ptp(walk.com[:, 0]) > 1e-3
+        assert not {d.name for d in diagnose(walk) if d.outside and ("floor" in d.name or "faces" in d.name)}
