@@ -10,7 +10,7 @@ from footopt.arrays import Array, Ints
 from footopt.effects.base import Reshape
 from footopt.effects.hull import filled
 from footopt.errors import check, check_whole
-from footopt.foot.plates import RULES, Plates, along_arc
+from footopt.foot.plates import RULES, Plates, along_arc, numbered
 from footopt.foot.shapes import SHAPES
 from footopt.foot.waypoints import Waypoints, as_space, check_dimensions, check_length, heights_text
 
@@ -148,15 +148,19 @@ class Foot:
         options = {word: parameters.pop(word) for word in ("upright", "apex") if word in parameters}
         return cls(SHAPES[name](length, **options), name=name, **parameters)
 
-    def points(self, steps: int, parts: int = 1) -> Array:
-        """Points at equal steps along the sole's arc, (steps parts + 1, 2), m; a step ends at each corner.
+    def points(self, steps: int) -> Array:
+        """Points at equal steps along the sole's arc, (steps + 1, 2), m; a step ends at each corner.
 
         Those of a sole through waypoints are on its spline.
         """
         check_whole("steps", steps, 1, 10**6)
+        return self._pieces(steps, 1)[0]
+
+    def _pieces(self, plates: int, parts: int) -> tuple[Array, Ints]:
+        """Points (m, 2), m, and the numbers of those where plates end, as `along_arc` gives them."""
         if self.space is not None and self.k is not None:
-            return np.asarray(self.space.points(self.k, steps * parts)[0])
-        return along_arc(self.contour, steps, parts)
+            return self.space.points(self.k, plates * parts)[0], np.arange(plates + 1) * parts
+        return along_arc(self.contour, plates, parts)
 
     def plates(self, plates: int, rule: str = "arc", fill: Reshape | None = None) -> Plates:
         """Cut the sole into plates, (1, plates); see `as_plates`."""
@@ -218,9 +222,7 @@ def as_feet(feet: Any, space: Waypoints | None = None) -> Sequence[Foot]:
     return Soles(heights, as_space(space, heights.shape[1])) if heights.size else []
 
 
-def as_plates(
-    feet: Sequence[Foot], plates: int, rule: str, fill: Reshape | None = None, turns: bool = True
-) -> Plates:
+def as_plates(feet: Sequence[Foot], plates: int, rule: str, fill: Reshape | None = None) -> Plates:
     """The plates of feet.
 
     `fill` changes the soles before they are cut, as an effect does (`footopt.effects.reshaping`); the rest is
@@ -228,11 +230,16 @@ def as_plates(
     """
     bodies: Sequence[Foot | Waypoints] = feet
     if isinstance(feet, Soles):
-        bodies, points = [feet.space], feet.space.points(feet.k, plates * RULES[rule])
+        parts = RULES[rule]
+        bodies, points = [feet.space], feet.space.points(feet.k, plates * parts)
+        ends = parts * numbered(len(points), plates + 1)
     else:
         same = len({foot.closed for foot in feet}) == 1
         check(same, "foot.closed", "both in one batch", "the same for all feet of a batch")
-        points = np.stack([foot.points(plates, RULES[rule]) for foot in feet])
+        pieces = [foot._pieces(plates, RULES[rule]) for foot in feet]
+        most, ends = max(len(line) for line, _ in pieces), np.stack([numbers for _, numbers in pieces])
+        # a toe that is repeated has no area
+        points = np.stack([np.pad(line, ((0, most - len(line)), (0, 0)), "edge") for line, _ in pieces])
     ankle, width, top = (np.array([getattr(b, n) for b in bodies], float) for n in ("ankle", "width", "top"))
     points = points if fill is None else fill(points)
-    return Plates.from_points(points, ankle, width, rule, top if bodies[0].closed else None, turns)
+    return Plates.from_points(points, ends, ankle, width, rule, top if bodies[0].closed else None)

@@ -4,13 +4,14 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from footopt.arrays import Array
+from footopt.arrays import Array, Ints
 from footopt.compiled import cached_njit
 
-#: How plates are laid on a contour; each name's number of chords that a plate averages over.
-#: "chord": a plate is the chord between neighbours, as in the paper. "arc": a plate has the mean
-#: place and the mean direction of its piece of the contour. The law is linear in depth and in
-#: (cos 2 beta, sin 2 beta), so that this leaves only their covariance within a plate as an error.
+#: How plates are laid on a contour; each name's number of equal steps along a plate.
+#: "chord": a plate is the chord between neighbours, as in the paper. "arc": a plate has the mean place and
+#: the mean direction of its piece of the contour: of its chords on a spline, and of all sides of a drawing.
+#: The law is linear in depth and in (cos 2 beta, sin 2 beta), so that this leaves only their covariance
+#: within a plate as an error.
 RULES = {"chord": 1, "arc": 4}
 
 CORNER = 0.3  # rad: chords that stand for a curve turn by less
@@ -26,28 +27,25 @@ class Plates(NamedTuple):
     area: Array  # m^2
     tx: Array  # along the contour, a unit vector; (t_z, -t_x) is its outward normal
     tz: Array
-    turn: Array  # rad, of the contour within a plate; 0 for chords
+    turn: Array  # rad, within a plate: of an arc whose directions differ as much; 0 for chords
     span: Array  # (designs,), m, for which a plate stands; 0 for chords
     width: Array  # (designs,), m
 
     @classmethod
     def from_points(
-        cls, points: Array, ankle: Array, width: Array, rule: str, top: Array | None, turns: bool = True
+        cls, points: Array, ends: Ints, ankle: Array, width: Array, rule: str, top: Array | None
     ) -> Self:
         """Cut soles into plates, and with a `top` (designs,), m, the sides and tops that close them.
 
-        Points (designs, plates * RULES[rule] + 1, 2), m, are at equal steps along the arc, from heel to toe
-        with the sand below. The ankle is (designs, 2), m, the width (designs,), m. Without `turns` these are
-        0: they take as long as all else.
+        Points (designs, m, 2), m, are from heel to toe with the sand below; plates end at those numbered
+        `ends`, (designs, plates + 1). The ankle is (designs, 2), m, the width (designs,), m.
         """
-        pieces = [(points, RULES[rule])]
+        cuts = [cut(points, ends)]
         if top is not None:
-            pieces.append((cap(points, top, (points.shape[1] - 1) // RULES[rule]), 1))
-        cuts = [cut(line, parts) for line, parts in pieces]
-        for found, (line, parts) in zip(cuts if turns else (), pieces, strict=False):
-            found[7] = turns_within(line, parts)
+            closing = cap(points, top, cuts[0].shape[2])
+            cuts.append(cut(closing, numbered(len(points), closing.shape[1])))
         span = (
-            np.zeros(len(points)) if RULES[rule] == 1 else (cuts[0][4] * width[:, None]).mean(axis=1) / width
+            (cuts[0][4] * width[:, None]).mean(axis=1) / width if RULES[rule] > 1 else np.zeros(len(points))
         )
         x, z, c2, s2, length, tx, tz, turn = cuts[0] if top is None else np.concatenate(cuts, axis=2)
         x, z, area = x - ankle[:, :1], z - ankle[:, 1:], length * width[:, None]
@@ -55,18 +53,20 @@ class Plates(NamedTuple):
 
 
 @cached_njit(nogil=True, error_model="numpy")
-def cut(points, parts):
-    """The means of `parts` neighbouring chords each along contours (designs, m, 2), m.
+def cut(points, ends):
+    """The means of the chords from each end of a plate to the next, of contours (designs, m, 2), m.
 
-    Returns (8, designs, plates): place x and z (m), cosine and sine of twice the angle, length (m), the
-    direction, a unit vector, and 0 for turns.
+    The ends are numbers of points, (designs, plates + 1). Returns (8, designs, plates): place x and z (m),
+    cosine and sine of twice the angle, length (m), the direction, a unit vector, and the turn (rad): an arc
+    that turns by phi has directions of variance phi^2 / 12.
     """
-    designs, plates = points.shape[0], (points.shape[1] - 1) // parts
+    designs, plates = points.shape[0], ends.shape[1] - 1
     out = np.zeros((8, designs, plates))
     for d in range(designs):
         for i in range(plates):
             x = z = c2 = s2 = total = 0.0
-            for j in range(i * parts, (i + 1) * parts):
+            first, last = ends[d, i], ends[d, i + 1]
+            for j in range(first, last):
                 dx, dz = points[d, j + 1, 0] - points[d, j, 0], points[d, j + 1, 1] - points[d, j, 1]
                 square = max(dx * dx + dz * dz, 1e-60)  # a side of no length has no area, and no harm
                 length = np.sqrt(square)
@@ -75,12 +75,17 @@ def cut(points, parts):
                 c2 += (dx * dx - dz * dz) / length
                 s2 += 2.0 * dx * dz / length
                 total += length
-            first, last = i * parts, (i + 1) * parts
             dx, dz = points[d, last, 0] - points[d, first, 0], points[d, last, 1] - points[d, first, 1]
             norm = max(np.sqrt(dx * dx + dz * dz), 1e-30)
             out[0, d, i], out[1, d, i] = x / total, z / total
             out[2, d, i], out[3, d, i], out[4, d, i] = c2 / total, s2 / total, total
-            out[5, d, i], out[6, d, i] = dx / norm, dz / norm
+            tx, tz = dx / norm, dz / norm
+            spread = 0.0
+            for j in range(first, last):
+                dx, dz = points[d, j + 1, 0] - points[d, j, 0], points[d, j + 1, 1] - points[d, j, 1]
+                across = dx * tz - dz * tx
+                spread += across * across / np.sqrt(max(dx * dx + dz * dz, 1e-60))
+            out[5, d, i], out[6, d, i], out[7, d, i] = tx, tz, np.sqrt(12.0 * spread / total)
     return out
 
 
@@ -101,37 +106,36 @@ def cap(sole: Array, top: Array, plates: int) -> Array:
     return np.concatenate(pieces, axis=1)
 
 
-def turns_within(points: Array, parts: int) -> Array:
-    """The turns of soles (designs, m, 2) within plates of `parts` chords each, (designs, plates), rad."""
-    if parts == 1:  # chords stand for themselves
-        return np.zeros((len(points), points.shape[1] - 1))
-    dx, dz = np.moveaxis(points[:, 1:] - points[:, :-1], -1, 0)
-    across = dx[:, :-1] * dz[:, 1:] - dz[:, :-1] * dx[:, 1:]
-    ahead = dx[:, :-1] * dx[:, 1:] + dz[:, :-1] * dz[:, 1:]
-    turn = np.pad(np.abs(np.arctan2(across, ahead)), ((0, 0), (1, 1)))
-    between = turn[:, ::parts]
-    between[between > CORNER] = 0.0  # a corner between two plates adds no curvature to either
-    inside = turn[:, :-1].reshape(len(points), -1, parts).sum(axis=2)
-    return np.asarray(inside + 0.5 * (between[:, 1:] - between[:, :-1]))
+def numbered(designs: int, count: int) -> Ints:
+    """Numbers from 0 of the points of each design, (designs, count)."""
+    return np.tile(np.arange(count), (designs, 1))
 
 
-def along_arc(polyline: Array, plates: int, parts: int) -> Array:
-    """Points along the arc of a polyline (m, 2), m: (plates parts + 1, 2), m, at equal steps between corners.
+def along_arc(polyline: Array, plates: int, parts: int) -> tuple[Array, Ints]:
+    """Points along the arc of a polyline (m, 2), m, and the numbers of those where plates end.
 
     At a corner, where it turns by more than `CORNER`, one plate ends and the next begins: a plate around it
     would have the mean of two directions. There are at most half as many corners as plates, the sharpest.
+    Where plates have several `parts`, the polyline's own points are among them: means are those of all its
+    sides, however much finer than the plates. The numbers are (plates + 1,).
     """
     arc, turns = arc_and_turns(polyline)
     corners = np.flatnonzero(np.abs(turns) > CORNER)
     corners = np.sort(corners[np.argsort(-np.abs(turns[corners]), kind="stable")[: (plates - 1) // 2]])
-    ends = np.concatenate([[0.0], arc[corners], arc[-1:]])
-    share = np.diff(ends) / arc[-1] * (plates - len(ends) + 1)
+    pieces = np.concatenate([[0.0], arc[corners], arc[-1:]])
+    share = np.diff(pieces) / arc[-1] * (plates - len(pieces) + 1)
     count = 1 + share.astype(np.int64)  # one each, and the others by length
     rest = np.argsort(-(share % 1.0), kind="stable")[: plates - count.sum()]
     count[rest] += 1
-    steps = zip(ends, np.diff(ends), parts * count, strict=False)
+    steps = zip(pieces, np.diff(pieces), parts * count, strict=False)
     at = np.concatenate([*(begin + length * np.arange(n) / n for begin, length, n in steps), arc[-1:]])
-    return np.stack([np.interp(at, arc, column) for column in polyline.T], axis=-1)
+    own = np.empty(0)
+    if parts > 1:
+        after = np.clip(np.searchsorted(at, arc), 1, len(at) - 1)
+        own = np.unique(arc[np.minimum(arc - at[after - 1], at[after] - arc) > 1e-9 * arc[-1]])
+    ends = (np.arange(len(at)) + np.searchsorted(own, at))[::parts]
+    at = np.insert(at, np.searchsorted(at, own), own)
+    return np.stack([np.interp(at, arc, column) for column in polyline.T], axis=-1), ends
 
 
 @cached_njit(nogil=True, error_model="numpy")

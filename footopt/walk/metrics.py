@@ -25,6 +25,7 @@ class Raw(NamedTuple):
 
 
 RAW = Raw._fields
+JUMP = 8.0  # times as much is a parabola bent through a jump as through the samples on one side of it
 #: Columns of a trace: time, place, velocity, forces, powers and works, and where each but the first begins.
 COLUMNS, PARTS = 13, (1, 3, 5, 9, 11)
 
@@ -123,7 +124,8 @@ def peak(sample, times):
     """The largest of a quantity between the second and the third of four samples.
 
     Where it is smooth, the parabolas through the first three and through the last three have their vertices
-    there, at nearly one height. Behind a jump one of them has not, and no sample is exceeded.
+    there, at nearly one height. Behind a jump one of them has not, and no sample is exceeded, or it is bent
+    `JUMP` times as much as the other, which then counts alone.
     """
     before, within, after = times.second - times.first, times.third - times.second, times.last - times.third
     rise, slope = (sample.second - sample.first) / before, (sample.third - sample.second) / within
@@ -132,7 +134,7 @@ def peak(sample, times):
     begins, ends = slope - left * within, slope + right * within
     if begins > 0.0 and slope + left * within < 0.0 and slope - right * within > 0.0 and ends < 0.0:
         a, b = sample.second - 0.25 * begins * begins / left, sample.third - 0.25 * ends * ends / right
-        return 0.5 * (a + b)
+        return a if right < JUMP * left else b if left < JUMP * right else 0.5 * (a + b)
     return max(sample.second, sample.third)
 
 

@@ -24,7 +24,8 @@ MAX_NEWTON = 200  # contact evaluations of one implicit stage, before it is left
 SHORTEST = 2.0**-16  # part of a step of Newton's method
 INSIDE = 0.999  # |w| at most; beyond it a foot slides, and steps are those of the velocity
 SMOOTH_STEP = 2.0  # largest last step over the transition, where a foot reverses or an effect has a gate
-CHANGED = 0.05  # share of the force on both feet by which the last step may change that on one of them
+CHANGED = 0.05  # share of the force on both feet by which the last step may change that on one of them ...
+CHANGED_GATED = 0.01  # ... and where an effect has a gate: it is open or closed before the end of such a step
 
 
 @inlined
@@ -119,14 +120,14 @@ def converged(world, sole, poses, vx, vz, dvx, dvz, at, transition, plate):
         # at rest a step that is small against the transition speed of bristles would be a drift
         speed *= 1.0 if world.bristle_length is None else 1e-3
         speed += min(_speed(left, force), _speed(right, force))
-    enough = world.tolerance * speed
+    enough, share = world.tolerance * speed, CHANGED
     if plate.foot != NO_FOOT:
         enough = min(enough, SMOOTH_STEP * plate.speed)
     if gated(world):
         slower = min(abs(ankle_of(poses, 0).rate), abs(ankle_of(poses, 1).rate))
-        enough = min(enough, SMOOTH_STEP * _smooth_speed(sole, slower, transition))
+        enough, share = min(enough, SMOOTH_STEP * _smooth_speed(sole, slower, transition)), CHANGED_GATED
     change = max(_change(left, dvx, dvz), _change(right, dvx, dvz))
-    return size <= rounding or (force > 0.0 and size <= enough + rounding and change <= CHANGED * force)
+    return size <= rounding or (force > 0.0 and size <= enough + rounding and change <= share * force)
 
 
 @inlined

@@ -11,7 +11,7 @@ from footopt.arrays import Array
 from footopt.effects import base as effects
 from footopt.effects.base import Effect, ordered
 from footopt.errors import TINY, check, check_kind, check_number
-from footopt.foot import Foot, Waypoints, as_plates
+from footopt.foot import Foot, Soles, Waypoints, as_plates
 from footopt.foot.plates import RULES
 from footopt.gait import Gait
 from footopt.sand import Sand
@@ -226,10 +226,11 @@ class Scene(Simulator):
     ) -> Walked:
         """Walk with some feet by the compiled loop, which follows the sinkage where it is asked for."""
         sink, constants = "maximum_sinkage" in names, self.constants(accuracy)
-        fill, turns, parts = effects.reshaping(self.effects), constants.effects.gates is not None, []
-        size = max(1, min(CHUNK, POINTS // (accuracy.plates * RULES[accuracy.rule])))
+        fill, parts = effects.reshaping(self.effects), []
+        own = 0 if isinstance(feet, Soles) else max((len(foot.contour) for foot in feet), default=0)
+        size = max(1, min(CHUNK, POINTS // (accuracy.plates * RULES[accuracy.rule] + own)))
         for i in range(0, len(feet), size):
-            plates = as_plates(feet[i : i + size], accuracy.plates, accuracy.rule, fill, turns)
+            plates = as_plates(feet[i : i + size], accuracy.plates, accuracy.rule, fill)
             parts.append(walk_batch(plates, self.path, constants, accuracy, sink, threads)[:3])
         raw, status, counts = (np.concatenate(column) for column in zip(*parts, strict=True))
         raw[status != OK] = np.nan

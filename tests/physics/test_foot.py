@@ -36,6 +36,13 @@ def chords(points):
     return np.hypot(*np.diff(points, axis=0).T)
 
 
+def scanned(seed, sides):
+    """A line of so many sides with noise."""
+    random = np.random.default_rng(seed)
+    x = np.linspace(-0.1, 0.1, sides + 1)
+    return np.stack([x, -0.02 + 10.0 ** random.uniform(-6, -3) * random.standard_normal(sides + 1)], axis=1)
+
+
 class TestWaypoints:
     @pytest.mark.parametrize("n", [4, 5, 11, 30])
     def test_span_the_box(self, n):
@@ -125,6 +132,47 @@ class TestPlates:
             fine = np.sum(chord.area * getattr(chord, name))
             assert np.sum(arc.area * getattr(arc, name)) == pytest.approx(fine, abs=1e-14)
         assert arc.area.sum() == pytest.approx(chord.area.sum(), rel=1e-12)
+
+    @given(st.integers(0, 2**32 - 1), st.integers(2, 3000), st.sampled_from([8, 24, 100]))
+    def test_of_a_drawing_keep_the_area_and_first_moments_of_all_its_sides(self, seed, sides, plates):
+        """However many are within a plate: a scan's noise is often finer."""
+        line = scanned(seed, sides)
+        (dx, dz), length = np.diff(line, axis=0).T, chords(line)
+        middle = (line[1:] + line[:-1]) / 2
+        cut = fo.Foot(line, width=1.0).plates(plates)
+        assert cut.area.sum() == pytest.approx(length.sum(), rel=1e-9)
+        of_sides = {"x": middle[:, 0], "z": middle[:, 1]}
+        of_sides |= {"c2": (dx**2 - dz**2) / length**2, "s2": 2 * dx * dz / length**2}
+        for name, values in of_sides.items():
+            whole = np.sum(length * values)
+            assert np.sum(cut.area * getattr(cut, name)) == pytest.approx(whole, abs=1e-8 * length.sum())
+
+    @pytest.mark.parametrize("bend", [0.01, 0.5, 2.0])
+    def test_turn_by_as_much_as_their_piece_of_an_arc(self, bend):
+        angle = np.linspace(-0.5, 0.5, 3001) * bend
+        arc = 0.1 / bend * np.stack([np.sin(angle), 1.0 - np.cos(angle)], axis=1)
+        np.testing.assert_allclose(fo.Foot(arc).plates(8).turn, bend / 8, rtol=0.01)
+        k = np.full(11, 10) - np.rint(20 * np.linspace(-0.5, 0.5, 11) ** 2).astype(int)
+        sole = fo.Foot.from_waypoints(k)
+        drawing = fo.Foot(sole.contour)
+        np.testing.assert_allclose(sole.plates(48).turn, drawing.plates(48).turn, rtol=0.1, atol=2e-3)
+
+    def test_turn_by_the_spread_of_the_sides_within_not_by_their_sum(self):
+        """The sides of a saw turn forth and back: no further, however many they are."""
+        for teeth in (80, 400, 2000):
+            x = np.linspace(-0.1, 0.1, 2 * teeth + 1)
+            saw = np.stack([x, 0.1 * (x[1] - x[0]) * (np.arange(len(x)) % 2)], axis=1)
+            turn = fo.Foot(saw).plates(8).turn
+            np.testing.assert_allclose(turn, math.sqrt(12.0) * math.sin(math.atan(0.1)), rtol=0.02)
+
+    @given(st.lists(st.integers(2, 300), min_size=1, max_size=5), st.data())
+    def test_a_drawing_does_not_depend_on_its_batch(self, sides, data):
+        feet = [fo.Foot(scanned(seed, count)) for seed, count in enumerate(sides)]
+        i = data.draw(st.integers(0, len(feet) - 1))
+        shaded = {"fill": fo.Shadowing().reshape}
+        together, alone = (as_plates(batch, 24, "arc", **shaded) for batch in (feet, [feet[i]]))
+        for all_, one in zip(together, alone, strict=True):
+            np.testing.assert_array_equal(all_[i], one[0])
 
     @given(st.lists(HEIGHTS, min_size=1, max_size=12), st.data())
     def test_a_design_does_not_depend_on_its_batch(self, batch, data):

@@ -18,8 +18,7 @@ NAMES = tuple(name for name in offered(fo.Scene()) if name in OBJECTIVES)
 #: Walks with each of these heights, and gives why they failed and what they are judged by.
 WALK = """
 const walked = FEET.map((k) => {
-  const steps = P.accuracy.plates * P.accuracy.parts, points = k ? arcPoints(k, steps) : unpack(P.points);
-  const walk = simulate(points, { zeta: P.sand.zeta, mass: P.walker.mass });
+  const walk = simulate(plates(k), { zeta: P.sand.zeta, mass: P.walker.mass });
   return [walk.reason, NAMES.map((name) => walk.objectives[name] ?? null)];
 });
 """
@@ -31,7 +30,7 @@ def in_browser(browser, folder, scene, accuracy, space, feet):
         "title": "A walk",
         "columns": [],
         "physics": physics(scene, accuracy, space),
-        "space": spline(space),
+        "space": spline(space) if isinstance(space, fo.Waypoints) else None,
         "designs": NOTHING,
     }
     Page(browser, page.write(folder / "report.html", content))
@@ -67,8 +66,18 @@ def test_soles_walk_as_in_python_in_a_browser_or_the_page_says_what_rounding_doe
     off = differences(walked, scene, accuracy, space, feet)
     apart = off >= 1e-9
     said = browser.execute_script(
-        "return arguments[0].map((k) => rounding(arcPoints(k, P.accuracy.plates * P.accuracy.parts),"
+        "return arguments[0].map((k) => rounding(plates(k),"
         "{ zeta: P.sand.zeta, mass: P.walker.mass })?.[1] ?? 0)", feet[apart].tolist()
     )  # fmt: skip
     assert (off[apart] < 10.0 * np.array(said, float)).all()
     assert apart.mean() < 0.1
+
+
+@browser_needed
+def test_a_drawing_walks_as_in_python(browser, tmp_path):
+    x = np.linspace(-0.12, 0.12, 500)
+    z = -0.02 + 1e-4 * np.random.default_rng(4).standard_normal(500)
+    foot = fo.Foot(np.stack([x, z], axis=1), ankle=(0.02, 0.03))
+    scene, accuracy = SCENES["every effect"], fo.Accuracy(plates=56)
+    walked = in_browser(browser, tmp_path, scene, accuracy, foot, [None])
+    assert differences(walked, scene, accuracy, None, [foot]).max() < 1e-9

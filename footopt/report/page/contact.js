@@ -115,8 +115,10 @@ function arcPoints(k, steps) {
   return out;
 }
 
-/** Plates of some chords each: place, cos and sin of twice the angle, area, direction, turn; `span` that one stands for. */
-function plates(points, parts) {
+/** Plates: place, cos and sin of twice the angle, area, direction, turn; `span` that one stands for. Those of the run's sole, if it has no heights k. */
+function plates(k) {
+  if (!k) return Object.fromEntries(Object.entries(P.plates).map(([name, of]) => [name, name === "span" ? of : unpack(of)]));
+  const { parts } = P.accuracy, points = arcPoints(k, P.accuracy.plates * parts);
   const count = (points.length / 2 - 1) / parts, [ankleX, ankleZ] = P.foot.ankle;
   const [x, z, c2, s2, area, tx, tz, turn] = Array.from({ length: 8 }, () => new Float64Array(count));
   let whole = 0;
@@ -137,18 +139,14 @@ function plates(points, parts) {
     const norm = Math.hypot(tx[i], tz[i]) || 1;
     tx[i] /= norm;
     tz[i] /= norm;
+    let spread = 0;
+    for (let j = 2 * i * parts, end = 2 * (i + 1) * parts; j < end; j += 2) {
+      const dx = points[j + 2] - points[j], dz = points[j + 3] - points[j + 1], across = dx * tz[i] - dz * tx[i];
+      spread += across * across / Math.sqrt(Math.max(dx * dx + dz * dz, 1e-60));
+    }
+    turn[i] = Math.sqrt((12 * spread) / total);
     area[i] = total * P.foot.width;
     whole += total;
-  }
-  for (let m = 1; parts > 1 && m < count * parts; m++) { // by how much the sole turns within a plate
-    const j = 2 * m, ax = points[j] - points[j - 2], az = points[j + 1] - points[j - 1];
-    const bx = points[j + 2] - points[j], bz = points[j + 3] - points[j + 1];
-    const angle = Math.abs(Math.atan2(ax * bz - az * bx, ax * bx + az * bz)), i = Math.trunc(m / parts);
-    if (m % parts) turn[i] += angle;
-    else if (angle <= P.accuracy.corner) { // one between two plates bends neither
-      turn[i - 1] += 0.5 * angle;
-      turn[i] += 0.5 * angle;
-    }
   }
   return { x, z, c2, s2, area, tx, tz, turn, span: parts > 1 ? whole / count : 0 };
 }

@@ -9,10 +9,9 @@ const walked = new Map();
 function simulated(i) {
   if (!sketch) return null;
   if (!walked.has(i)) {
-    const k = heights(i), points = k ? arcPoints(k, P.accuracy.plates * P.accuracy.parts) : unpack(P.points);
-    const made = simulate(points, i === DRAWN ? sketch : { zeta: P.sand.zeta, mass: P.walker.mass });
+    const cut = plates(heights(i)), made = simulate(cut, i === DRAWN ? sketch : { zeta: P.sand.zeta, mass: P.walker.mass });
     if (walked.size > 20) walked.clear();
-    walked.set(i, prepared({ ...made, arc: points, points: sole(i), top: own("top", i), design: i }));
+    walked.set(i, prepared({ ...made, plates: cut, points: sole(i), top: own("top", i), design: i }));
   }
   return Object.assign(walked.get(i), { label: label(i) });
 }
@@ -25,7 +24,7 @@ function walkedAs(k, { zeta, mass }, { law, zeta: factor = 1, effects = P.effect
     const { plates, dt, control } = P.accuracy;
     Object.assign(P.accuracy, { plates: finer * plates, dt: dt / finer, control: control && control / finer ** 2 });
     takeEffects(effects);
-    const walk = simulate(arcPoints(k, P.accuracy.plates * P.accuracy.parts), { zeta: zeta * factor, mass });
+    const walk = simulate(plates(k), { zeta: zeta * factor, mass });
     Object.assign(P.accuracy, { plates, dt, control });
     takeEffects(P.effects);
     elsewhere.set(key, walk.reason ? null : walk.objectives);
@@ -56,7 +55,7 @@ function compareWith(design) {
   const same = design !== DRAWN || (sketch.zeta === P.sand.zeta && sketch.mass === P.walker.mass);
   sketch.flat = null;
   if (!same && flatWalk() && space) {
-    const flat = Array(space.n).fill(space.K), made = simulate(arcPoints(flat, P.accuracy.plates * P.accuracy.parts), sketch);
+    const flat = Array(space.n).fill(space.K), made = simulate(plates(flat), sketch);
     sketch.flat = prepared({ ...made, points: flatWalk().points, top: own("top", DRAWN), label: "flat" });
   }
   for (const name of Object.keys(flatOfRun)) entry.flat[name] = same ? flatOfRun[name] : sketch.flat?.objectives[name] ?? NaN;

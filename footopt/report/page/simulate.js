@@ -56,7 +56,7 @@ function stepped(plate, vx, vz, dvx, dvz) {
 
 /** Velocity V of an implicit stage, V = v0 + c a(r0 + c V, V), by Newton's method from a guess; whether it was found. */
 function solveStage(W, sole, poses, p, x0, z0, vx0, vz0, c, vx, vz, reversal) {
-  const { newton, most, shortest, inside, gated, changed, creep } = P.accuracy, F = implicit.force, inv = c / W.mass, { tilt, g } = P.gravity;
+  const { newton, most, shortest, inside, gated, changed, changedGated, creep } = P.accuracy, F = implicit.force, inv = c / W.mass, { tilt, g } = P.gravity;
   let best = Infinity, dvx = 0, dvz = 0, part = 1, side = 1, plate = reversal && deepestPlate(sole, poses, p, reversal.foot, creep);
   if (plate && z0 + c * vz + plate.height >= 0) plate = null;
   if (plate) [vx, vz] = velocityOf(plate, reversal.x, reversal.z, vx, vz);
@@ -77,7 +77,7 @@ function solveStage(W, sole, poses, p, x0, z0, vx0, vz0, c, vx, vz, reversal) {
       const speed = force === 0 ? creep : creep + Math.min(meanSpeed(F, 0, force), meanSpeed(F, 7, force));
       const enough = Math.min(newton * speed, plate ? gated * plate.speed : Infinity, gates.length ? gated * smooth : Infinity);
       const change = Math.max(changeOf(F, 0, dvx, dvz), changeOf(F, 7, dvx, dvz));
-      if (size <= rounding || (force > 0 && size <= enough + rounding && change <= changed * force)) {
+      if (size <= rounding || (force > 0 && size <= enough + rounding && change <= (gates.length ? changedGated : changed) * force)) {
         implicit.vx = vx + dvx;
         implicit.vz = vz + dvz;
         const [wx, wz] = plate ? directionOf(plate, implicit.vx, implicit.vz) : [1, 0];
@@ -155,7 +155,8 @@ function peak([a, b, c, d], [t0, t1, t2, t3]) {
   const left = (slope - (b - a) / before) / (before + within), right = ((d - c) / after - slope) / (within + after);
   const begins = slope - left * within, ends = slope + right * within;
   if (!(begins > 0 && slope + left * within < 0 && slope - right * within > 0 && ends < 0)) return Math.max(b, c);
-  return 0.5 * (b - (0.25 * begins * begins) / left + (c - (0.25 * ends * ends) / right));
+  const first = b - (0.25 * begins * begins) / left, last = c - (0.25 * ends * ends) / right;
+  return right < P.accuracy.jump * left ? first : left < P.accuracy.jump * right ? last : 0.5 * (first + last);
 }
 
 /** Depth of the lowest end of a plate of both feet, m. */
@@ -275,9 +276,9 @@ function objectives(raw, mass) {
   };
 }
 
-/** A walk with a sole, points [x, z, x, z, ...] along its arc, as `open` gives those of the data, and its objectives. */
-function simulate(points, { zeta, mass }) {
-  const sole = plates(points, P.accuracy.parts), { reason, raw, rows, made, when, arrows } = walkPlates(sole, zeta, mass);
+/** A walk with the plates of a sole, and its objectives. */
+function simulate(sole, { zeta, mass }) {
+  const { reason, raw, rows, made, when, arrows } = walkPlates(sole, zeta, mass);
   const columns = (from, width) => {
     const found = new Float64Array(width * made);
     for (let i = 0; i < made; i++) for (let j = 0; j < width; j++) found[width * i + j] = rows[TRACE * i + from + j];
@@ -293,8 +294,8 @@ function simulate(points, { zeta, mass }) {
 
 const SAME = 1e-9; // relative, of walks that are the same
 /** The objective that rounding alone changes the most, and by how much of it: a plate turns round, a step is halved, or not. */
-function rounding(points, { zeta, mass }) {
-  const [found, ...others] = [0, -2, -1, 1, 2].map((n) => simulate(points, { zeta, mass: mass * (1 + n * Number.EPSILON) }).objectives);
+function rounding(sole, { zeta, mass }) {
+  const [found, ...others] = [0, -2, -1, 1, 2].map((n) => simulate(sole, { zeta, mass: mass * (1 + n * Number.EPSILON) }).objectives);
   return Object.keys(found).map((name) => [name, Math.max(...others.map((other) => Math.abs((other[name] ?? NaN) / found[name] - 1)))])
     .filter(([name, by]) => Number.isFinite(found[name]) && !(by <= SAME)).reduce((most, one) => (most && most[1] >= one[1] ? most : one), null);
 }

@@ -53,7 +53,7 @@ function isFlat(points) {
 
 /** A sentence where a walk made here is sensitive to rounding; else nothing. */
 function sensitivity(i) {
-  const found = walked.has(i) && rounding(walked.get(i).arc, i === DRAWN ? sketch : { zeta: P.sand.zeta, mass: P.walker.mass });
+  const found = walked.has(i) && rounding(walked.get(i).plates, i === DRAWN ? sketch : { zeta: P.sand.zeta, mass: P.walker.mass });
   return found ? `This walk is sensitive to rounding, which alone changes its ${found[0].replaceAll("_", " ")} by ${Number.isFinite(found[1]) ? percent(found[1]) : "all of it"}. footopt may differ by as much.` : "";
 }
 

@@ -11,8 +11,8 @@ from footopt.design.certificate import joined
 from footopt.design.result import SHOWN
 from footopt.design.scenarios import possible_laws
 from footopt.effects import name_of
-from footopt.foot import Foot, Waypoints
-from footopt.foot.plates import CORNER, RULES
+from footopt.foot import Foot, Plates, Waypoints
+from footopt.foot.plates import RULES
 from footopt.foot.waypoints import FINE, slope_matrix
 from footopt.gait import STANDING
 from footopt.report.numbers import title
@@ -27,6 +27,7 @@ from footopt.walk.checks import WHY
 from footopt.walk.contact import BENT, EXPOSED, TURN
 from footopt.walk.ladder import numerics
 from footopt.walk.loop import MAX_REPEATS, NEAR_PEAK, PEAK
+from footopt.walk.metrics import JUMP
 from footopt.walk.objectives import floors
 
 FRAMES = 250  # samples of a walk's forces along the sole
@@ -197,7 +198,6 @@ def physics(
         return {"refusal": why}
     gait, walker, (tilt, g) = scene.gait, scene.walker, scene.gravity
     foot_pitch = gait.foot if gait.pitch == "measured" else None
-    parts = RULES[accuracy.rule]
     return {
         "sand": {
             "zeta": scene.sand.zeta,
@@ -219,7 +219,7 @@ def physics(
         "strike": gait.heel_strike,
         "accuracy": {
             **asdict(accuracy),
-            "parts": parts,
+            "parts": RULES[accuracy.rule],
             "gamma": STEPPERS[STEPPER].parameters.gamma,
             "rest": discretize.REST,
             "halvings": discretize.HALVINGS,
@@ -230,12 +230,13 @@ def physics(
             "inside": newton.INSIDE,
             "gated": newton.SMOOTH_STEP,
             "changed": newton.CHANGED,
+            "changedGated": newton.CHANGED_GATED,
             "turn": TURN,
             "exposed": EXPOSED,
             "bent": BENT,
-            "corner": CORNER,
             "near": NEAR_PEAK,
             "peak": PEAK,
+            "jump": JUMP,
             "repeats": MAX_REPEATS,
         },
         "arrows": ARROWS,
@@ -252,11 +253,15 @@ def physics(
         "why": [WHY[name] for name in ("depth of the sole", "depth of the ankle")],
         "floors": floors(scene),
         "foot": {"ankle": foot.ankle, "width": foot.width},
-        # of a sole without waypoints
-        "points": packed(foot.points(accuracy.plates, parts), double=True)
-        if isinstance(foot, Foot) and foot.k is None
-        else None,
+        "plates": _plates(foot, accuracy) if isinstance(foot, Foot) and foot.k is None else None,
     }
+
+
+def _plates(foot: Foot, accuracy: Accuracy) -> dict[str, Any]:
+    """The plates of a sole without waypoints; the page cuts those of others itself."""
+    cut = foot.plates(accuracy.plates, accuracy.rule)
+    columns = {name: packed(getattr(cut, name)[0], double=True) for name in Plates._fields[:8]}
+    return {**columns, "span": float(cut.span[0])}
 
 
 def _laws(scene: Scene) -> dict[str, Any]:
