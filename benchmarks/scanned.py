@@ -1,10 +1,12 @@
 """Soles as a scan has them, with noise, walk within their tolerance: python benchmarks/scanned.py COUNT
 
 Drawn by one seed: 200 to 8,000 points, each off by a normal error of 0.01 to 0.3 mm, on sand of zeta 0.2 to
-50. Each at `standard`, against the parameters of `fine` refined once.
+50. Each at `standard`, against the parameters of `fine` refined once. With a second argument, ``effects``, in
+scenes with effects, and a quarter of the feet are closed.
 """
 
 import sys
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,6 +14,16 @@ import footopt as fo
 from footopt.walk.accuracy import PRESETS
 from footopt.walk.ladder import numerics
 from footopt.walk.objectives import FIVE, sizes
+
+EDGE = fo.LeadingEdge()
+EFFECTS = (
+    (EDGE,),
+    (fo.Rest(),),
+    (fo.Shadowing(),),
+    (EDGE, fo.Shadowing()),
+    (fo.Inertia(),),
+    (EDGE, fo.Rest()),
+)
 
 
 def drawn(rng):
@@ -24,11 +36,14 @@ def drawn(rng):
     return fo.Foot(np.stack([x, z], axis=1)), fo.Scene(sand=fo.Sand(float(zeta)))
 
 
-def main(count: int) -> None:
+def main(count: int, effects: bool) -> None:
     """Print each sole's plates, error and estimate, and how many are within the tolerance and covered."""
     rng, errors, covered = np.random.default_rng(11), [], 0
-    for _ in range(count):
+    for i in range(count):
         foot, scene = drawn(rng)
+        if effects:
+            scene = replace(scene, effects=EFFECTS[i % len(EFFECTS)])
+            foot = replace(foot, closed=i % 4 == 0, top=0.02)
         accuracy = numerics(PRESETS["standard"], scene, foot)
         found = fo.evaluate([foot], scene, accuracy, FIVE, errors=True)
         truth = fo.evaluate([foot], scene, numerics(PRESETS["fine"], scene, foot).refined(), FIVE).values
@@ -43,4 +58,4 @@ def main(count: int) -> None:
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]))
+    main(int(sys.argv[1]), "effects" in sys.argv)
