@@ -20,8 +20,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from footopt.arrays import Array
+from footopt.effects.base import laws, reshaping
 from footopt.errors import check
-from footopt.foot import Foot, Soles, Waypoints, as_feet
+from footopt.foot import Foot, Soles, Waypoints, as_feet, as_plates
+from footopt.foot.plates import CORNER
 from footopt.walk.accuracy import LEAST, LEAST_DT, Accuracy, AnyAccuracy, Tolerance, work
 from footopt.walk.discretize import Path, too_many_poses
 from footopt.walk.objectives import FIVE, OBJECTIVES, by_name, sizes
@@ -67,7 +69,7 @@ class Rung(NamedTuple):
         return Rung(self.time), Rung(0, self.plates), Rung(0, 0, self.creep)
 
 
-NEXT = Rung(1, 1, 1)
+BOTTOM, NEXT = Rung(), Rung(1, 1, 1)
 #: Half the longest step with an eighth of the control, twice the plates, and a quarter of the creep speed.
 DEEP = Rung(ORDER, 2, 2)
 #: Steps of 1/25 of the first ones, 8,700 plates, a creep speed of 1/8000: nothing finer has been asked for.
@@ -133,7 +135,9 @@ def climbed(of: Tolerance, simulator: Simulator, path: Path, soles: Any) -> Foun
         values, cost = walked(Rung())
         fails = np.isnan(values).all(axis=1)
         chosen, drawing = Soles(chosen.k[np.argsort(fails, kind="stable")[:PROBES]], soles), DRAWN * cost
-    found = climb(walked, _top(of, path), of.error, MOST, DEEP)
+    top = _top(of, path)
+    first = Rung(0, 0 if isinstance(soles, Waypoints) else _resolving(of, simulator, soles, top.plates))
+    found = climb(walked, top, of.error, MOST, DEEP, first)
     return found._replace(price=found.price + drawing)
 
 
@@ -174,6 +178,23 @@ def _top(of: Tolerance, path: Path) -> Rung:
     return Rung(time, 0 if of.plates else TOP.plates, 0 if of.creep else TOP.creep)
 
 
+def _resolving(of: Tolerance, simulator: Any, feet: tuple[Foot, ...], top: int) -> int:
+    """The rung of plates that resolves drawings, if effects ask for the direction of a side.
+
+    Within a plate, sides then differ by less than a corner. Noise that is finer has the same means on
+    neighbouring rungs, which thus agree: only a walk that resolves it knows what such an effect makes of it.
+    """
+    acting = laws(simulator.effects)
+    if acting.gates is None and acting.pushes is None:
+        return 0
+    for rung in range(top):
+        cut = as_plates(feet, plates_at(Rung(0, rung)), of.rule, reshaping(simulator.effects))
+        turns = np.sqrt(np.sum(cut.turn**2 * cut.area, axis=1) / np.sum(cut.area, axis=1))
+        if turns.max() < CORNER:
+            return rung
+    return top
+
+
 def plates_at(rung: Rung) -> int:
     """Plates along the sole on a rung."""
     return LANES * round(FEWEST / LANES * 2 ** (rung.plates / 2))
@@ -201,16 +222,17 @@ def climb(
     tolerance: float,
     most: float = MOST,
     deep: Rung | None = None,
+    first: Rung = BOTTOM,
 ) -> Found:
     """Climb a ladder until the relative error of the worst objective is within a tolerance.
 
     walk: from a rung to the probes' objectives (probes, objectives) and the work of a walk. top: the finest
     rung. most: how many walks with the parameters that it would end with so far the climb may cost. deep: how
-    many rungs further up a walk has to agree in the end, or None.
+    many rungs further up a walk has to agree in the end, or None. first: the lowest rung.
     """
     walked: dict[Rung, tuple[Array, float]] = {}
     path: list[Rung] = []
-    rung, allowed, by, safe = Rung(), SHARE * tolerance, NEXT, SAFE
+    rung, allowed, by, safe = first, SHARE * tolerance, NEXT, SAFE
 
     def at(one: Rung) -> tuple[Array, float]:
         if one not in walked:
@@ -271,7 +293,7 @@ def climb(
             break
         rung = rung.up(NEXT.sides()[side], rungs, top)
     if by is deep and found.error <= allowed:
-        found = _descended(found, at, up(deep), AGAIN * allowed, lambda one: not too_expensive(0.0, one.work))
+        found = _descended(found, first, at, up(deep), AGAIN * allowed, too_expensive)
     elif found.error > allowed:
         found = closest()
     return found._replace(price=price(), path=tuple(dict.fromkeys(path)))
@@ -279,10 +301,11 @@ def climb(
 
 def _descended(
     found: Found,
+    first: Rung,
     at: Callable[[Rung], tuple[Array, float]],
     ups: Sequence[tuple[Array, float]],
     allowed: float,
-    affordable: Callable[[Found], bool],
+    too_expensive: Callable[[float, float], bool],
 ) -> Found:
     """The cheapest rung to which sides go down, one by one, while walks further up (`ups`) agree with it."""
     lowest, last = found, None
@@ -290,11 +313,11 @@ def _descended(
         last, tried = lowest, [lowest]
         for side in NEXT.sides():
             below = Rung(*(here - less for here, less in zip(last.rung, side, strict=True)))
-            if min(below) >= 0:
+            if min(map(sub, below, first)) >= 0:
                 values, cost = at(below)
                 tried.append(Found(below, worst(_changed(values, ups), ALIKE), cost))
         lowest = min((one for one in tried if one.error <= allowed or one is last), key=lambda one: one.work)
-        if not affordable(lowest):
+        if too_expensive(0.0, lowest.work):
             break
     return lowest if lowest.work <= WORTH * found.work else found
 

@@ -12,7 +12,18 @@ import footopt as fo
 from footopt.foot import Soles
 from footopt.walk import discretize
 from footopt.walk.accuracy import PRESETS, TOLERANCES
-from footopt.walk.ladder import DEEP, SHARE, Rung, changes_of, climb, ladder, numbers_at, numerics, worst
+from footopt.walk.ladder import (
+    DEEP,
+    SHARE,
+    Rung,
+    changes_of,
+    climb,
+    ladder,
+    numbers_at,
+    numerics,
+    plates_at,
+    worst,
+)
 from footopt.walk.ladder import _top as finest
 
 PAPER = fo.Waypoints()
@@ -191,6 +202,23 @@ class TestTheClimb:
         assert worst(changes_of(others, values), 2.0) == pytest.approx(0.015)
         others[3] = 1.1
         assert worst(changes_of(others, values), 2.0) == pytest.approx(0.02)
+
+
+def test_sides_of_a_drawing_are_resolved_where_an_effect_asks_for_their_direction():
+    """Means over noise agree on neighbouring rungs, whatever an effect makes of its sides."""
+    x = np.linspace(-0.1, 0.1, 2001)
+    noisy = fo.Foot(np.stack([x, 1e-4 * np.random.default_rng(2).standard_normal(2001)], axis=1))
+    for foot, effect, resolved in (
+        (noisy, fo.Inertia(), True),
+        (noisy, fo.LeadingEdge(), True),
+        (noisy, fo.Shadowing(), False),
+        (fo.Foot.shape("circle"), fo.Inertia(), False),
+    ):
+        found = ladder(PRESETS["draft"], replace(fo.Scene(), effects=(effect,)), foot)[1]
+        assert (found.path[0].plates > 0) is resolved
+        if resolved:
+            turn = foot.plates(plates_at(found.rung)).turn
+            assert np.sqrt(np.mean(turn**2)) < 0.5
 
 
 class TestNumbers:
