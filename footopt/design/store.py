@@ -31,7 +31,7 @@ from footopt.walk.own_code import fingerprint, is_own, own_code
 from footopt.walk.steppers import STEPPERS
 
 APPLICATION = int.from_bytes(b"foot")  # marks the file as ours (SQLite's application_id)
-LAYOUT = 5  # of the tables below (SQLite's user_version)
+LAYOUT = 6  # of the tables below (SQLite's user_version)
 PATIENCE = 30.0  # s, for another process that writes
 ERROR = "error:"  # what the reason of a design begins with whose walk has raised an exception
 #: Parts of a key that are no settings: the same settings may be evaluated by other code, on another machine.
@@ -43,14 +43,12 @@ SHOWN = 4  # differences between two keys that a message names
 TABLES = """
 CREATE TABLE context (id INTEGER PRIMARY KEY, digest TEXT NOT NULL UNIQUE, description TEXT NOT NULL);
 CREATE TABLE design (
-    context INTEGER NOT NULL, k BLOB NOT NULL, record BLOB NOT NULL, reason TEXT NOT NULL,
-    PRIMARY KEY (context, k)
-) WITHOUT ROWID;
+    id INTEGER PRIMARY KEY, context INTEGER NOT NULL,
+    k BLOB NOT NULL, record BLOB NOT NULL, reason TEXT NOT NULL
+);
+CREATE INDEX by_context ON design (context);
 """
-ADD = f"""
-INSERT INTO design VALUES (?, ?, ?, ?) ON CONFLICT (context, k) DO UPDATE
-SET record = excluded.record, reason = excluded.reason WHERE reason LIKE '{ERROR}%'
-"""
+WALKED = f"reason NOT LIKE '{ERROR}%'"  # rows whose walk has raised no exception
 
 
 class Store(AbstractContextManager["Store"]):
@@ -97,6 +95,10 @@ class Store(AbstractContextManager["Store"]):
             self.foreign = min(code.values(), key=len, default=[]) if reuse or not len(self) else []
             self.nearest = [] if len(self) else min(others.values(), key=len, default=[])
             self._read_from = (self._id, *(code if reuse else ()))
+            # their designs, those of this problem and others, and the rows they are in, as of the last look
+            self._own: dict[bytes, int] = {}
+            self._foreign: dict[bytes, int] = {}
+            self._version, self._last = None, 0
         except BaseException:
             self.close()
             raise
@@ -109,9 +111,9 @@ class Store(AbstractContextManager["Store"]):
         self._connection.close()
 
     def __len__(self) -> int:
-        """Designs of this problem."""
+        """Designs of this problem that have been walked."""
         with self._explained() as connection:
-            query = "SELECT COUNT(*) FROM design WHERE context = ?"
+            query = f"SELECT COUNT(*) FROM design WHERE context = ? AND {WALKED}"
             return int(connection.execute(query, (self._id,)).fetchone()[0])
 
     def get(self, k: Ints) -> tuple[Array, Words]:
@@ -119,25 +121,40 @@ class Store(AbstractContextManager["Store"]):
 
         The reason of a design that is not known is `ERROR`.
         """
-        query = "SELECT k, record, reason FROM design WHERE context IN ({}) AND k IN ({}) ORDER BY context=?"
-        known: dict[bytes, Sequence[Any]] = {}
-        keys, width = rows_as_bytes(k), len(self.problem.record)
+        width, known = len(self.problem.record), dict[int | None, Sequence[Any]]()
+        known[None] = np.full(width, np.nan).tobytes(), ERROR
         with self._explained() as connection:
-            for some in (keys[i : i + ASKED] for i in range(0, len(keys), ASKED)):
-                marks = (", ".join("?" * len(names)) for names in (self._read_from, some))
-                rows = connection.execute(query.format(*marks), (*self._read_from, *some, self._id))
-                known |= {key: rest for key, *rest in rows}  # its own come last: they count
-        unknown = np.full(width, np.nan).tobytes(), ERROR
-        found = [known.get(key, unknown) for key in keys]
+            self._look(connection)
+            rows = [self._own.get(key, self._foreign.get(key)) for key in rows_as_bytes(k)]
+            there = [row for row in rows if row is not None]
+            for some in (there[i : i + ASKED] for i in range(0, len(there), ASKED)):
+                query = f"SELECT id, record, reason FROM design WHERE id IN ({', '.join('?' * len(some))})"
+                known |= {row: rest for row, *rest in connection.execute(query, some)}
+        found = [known[row] for row in rows]
         values = np.frombuffer(bytearray().join(record for record, _ in found), VALUE)
         return values.reshape(-1, width), np.array([why for _, why in found], object)
 
     def add(self, k: Ints, values: Array, reasons: Words) -> None:
         """Keep designs, all or none; what is known stays, unless its walk had raised an exception."""
         columns = rows_as_bytes(k), rows_as_bytes(values, VALUE), reasons.tolist()
-        rows = [(self._id, *one) for one in zip(*columns, strict=True)]
         with self._explained() as connection, _transaction(connection):
-            connection.executemany(ADD, rows)
+            self._look(connection)
+            first = 1 + (connection.execute("SELECT MAX(id) FROM design").fetchone()[0] or 0)
+            new = [one for one in zip(*columns, strict=True) if one[0] not in self._own]
+            rows = [(i, self._id, *one) for i, one in enumerate(new, first)]
+            connection.executemany("INSERT INTO design VALUES (?, ?, ?, ?, ?)", rows)
+        self._own.update((key, i) for i, _, key, _, why in rows if not why.startswith(ERROR))
+
+    def _look(self, connection: sqlite3.Connection) -> None:
+        """Note the rows of designs that other connections have added since the last look."""
+        version = connection.execute("PRAGMA data_version").fetchone()
+        if version == self._version:
+            return
+        self._version, marks = version, ", ".join("?" * len(self._read_from))
+        query = f"SELECT context, k, id FROM design WHERE context IN ({marks}) AND id > ? AND {WALKED}"
+        for context, key, row in connection.execute(query, (*self._read_from, self._last)):
+            (self._own if context == self._id else self._foreign)[key] = row
+            self._last = max(self._last, row)
 
     def describe(self) -> str:
         """One line about the designs that can be used, or those that other code evaluated; or ""."""
