@@ -205,11 +205,11 @@ class Known(dict[bytes, int]):
 
     def fresh(self, k: Ints) -> Ints:
         """The rows of those of some designs (designs, n) that are not known, each once, in their order."""
-        first: dict[bytes, int] = {}
-        for i, key in enumerate(rows_as_bytes(k)):
-            if key not in self:
-                first.setdefault(key, i)
-        return np.array(list(first.values()), np.int64)
+        keys = rows_as_bytes(k)
+        first = dict(zip(reversed(keys), range(len(keys) - 1, -1, -1), strict=True))
+        for known in first.keys() & self.keys():
+            del first[known]
+        return np.sort(np.fromiter(first.values(), np.int64, len(first)))
 
     def add(self, k: Ints) -> None:
         """Add designs (designs, n) that are `fresh`."""

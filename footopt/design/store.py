@@ -121,18 +121,21 @@ class Store(AbstractContextManager["Store"]):
 
         The reason of a design that is not known is `ERROR`.
         """
-        width, known = len(self.problem.record), dict[int | None, Sequence[Any]]()
-        known[None] = np.full(width, np.nan).tobytes(), ERROR
+        width = len(self.problem.record)
+        values, reasons = np.full((len(k), width), np.nan), np.full(len(k), ERROR, object)
         with self._explained() as connection:
             self._look(connection)
             rows = [self._own.get(key, self._foreign.get(key)) for key in rows_as_bytes(k)]
             there = [row for row in rows if row is not None]
+            found: dict[int, Sequence[Any]] = {}
             for some in (there[i : i + ASKED] for i in range(0, len(there), ASKED)):
                 query = f"SELECT id, record, reason FROM design WHERE id IN ({', '.join('?' * len(some))})"
-                known |= {row: rest for row, *rest in connection.execute(query, some)}
-        found = [known[row] for row in rows]
-        values = np.frombuffer(bytearray().join(record for record, _ in found), VALUE)
-        return values.reshape(-1, width), np.array([why for _, why in found], object)
+                found |= {row: rest for row, *rest in connection.execute(query, some)}
+        for i, row in enumerate(rows):
+            if row is not None:
+                record, reasons[i] = found[row]
+                values[i] = np.frombuffer(record, VALUE)
+        return values, reasons
 
     def add(self, k: Ints, values: Array, reasons: Words) -> None:
         """Keep designs, all or none; what is known stays, unless its walk had raised an exception."""
