@@ -21,11 +21,11 @@ const elsewhere = new Map();
 function walkedAs(k, { zeta, mass }, { law, zeta: factor = 1, effects = P.effects, finer = 1 }) {
   const key = [law, finer, zeta, mass, k].join(" ");
   if (!elsewhere.has(key)) {
-    const { plates, dt, control } = P.accuracy;
-    Object.assign(P.accuracy, { plates: finer * plates, dt: dt / finer, control: control && control / finer ** 2 });
+    const { plates: count, dt, control } = P.accuracy;
+    Object.assign(P.accuracy, { plates: finer * count, dt: dt / finer, control: control && control / finer ** 2 });
     takeEffects(effects);
     const walk = simulate(plates(k), { zeta: zeta * factor, mass });
-    Object.assign(P.accuracy, { plates, dt, control });
+    Object.assign(P.accuracy, { plates: count, dt, control });
     takeEffects(P.effects);
     elsewhere.set(key, walk.reason ? null : walk.objectives);
   }
