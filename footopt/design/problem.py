@@ -206,6 +206,7 @@ class Known(dict[bytes, int]):
     def fresh(self, k: Ints) -> Ints:
         """The rows of those of some designs (designs, n) that are not known, each once, in their order."""
         keys = rows_as_bytes(k)
+        # of equal rows, the first one is set last
         first = dict(zip(reversed(keys), range(len(keys) - 1, -1, -1), strict=True))
         for known in first.keys() & self.keys():
             del first[known]

@@ -95,9 +95,8 @@ class Store(AbstractContextManager["Store"]):
             self.foreign = min(code.values(), key=len, default=[]) if reuse or not len(self) else []
             self.nearest = [] if len(self) else min(others.values(), key=len, default=[])
             self._read_from = (self._id, *(code if reuse else ()))
-            # their designs, those of this problem and others, and the rows they are in, as of the last look
-            self._own: dict[bytes, int] = {}
-            self._foreign: dict[bytes, int] = {}
+            # the rows of designs, of this problem and of others that it reads, as of the last look
+            self._own, self._foreign = dict[bytes, int](), dict[bytes, int]()
             self._version, self._last = None, 0
         except BaseException:
             self.close()
@@ -153,11 +152,12 @@ class Store(AbstractContextManager["Store"]):
         version = connection.execute("PRAGMA data_version").fetchone()
         if version == self._version:
             return
-        self._version, marks = version, ", ".join("?" * len(self._read_from))
+        marks = ", ".join("?" * len(self._read_from))
         query = f"SELECT context, k, id FROM design WHERE context IN ({marks}) AND id > ? AND {WALKED}"
         for context, key, row in connection.execute(query, (*self._read_from, self._last)):
             (self._own if context == self._id else self._foreign)[key] = row
             self._last = max(self._last, row)
+        self._version = version
 
     def describe(self) -> str:
         """One line about the designs that can be used, or those that other code evaluated; or ""."""

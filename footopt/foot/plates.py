@@ -44,9 +44,9 @@ class Plates(NamedTuple):
         if top is not None:
             closing = cap(points, top, cuts[0].shape[2])
             cuts.append(cut(closing, numbered(len(points), closing.shape[1])))
-        span = (
-            (cuts[0][4] * width[:, None]).mean(axis=1) / width if RULES[rule] > 1 else np.zeros(len(points))
-        )
+        span = np.zeros(len(points))
+        if RULES[rule] > 1:
+            span = (cuts[0][4] * width[:, None]).mean(axis=1) / width
         x, z, c2, s2, length, tx, tz, turn = cuts[0] if top is None else np.concatenate(cuts, axis=2)
         x, z, area = x - ankle[:, :1], z - ankle[:, 1:], length * width[:, None]
         return cls(x, z, c2, s2, area, tx, tz, turn, span, np.full(len(points), width))
@@ -80,7 +80,7 @@ def cut(points, ends):
             out[0, d, i], out[1, d, i] = x / total, z / total
             out[2, d, i], out[3, d, i], out[4, d, i] = c2 / total, s2 / total, total
             tx, tz = dx / norm, dz / norm
-            spread = 0.0
+            spread = 0.0  # from c2 and s2 it would be a small difference of large numbers
             for j in range(first, last):
                 dx, dz = points[d, j + 1, 0] - points[d, j, 0], points[d, j + 1, 1] - points[d, j, 1]
                 across = dx * tz - dz * tx
@@ -132,7 +132,7 @@ def along_arc(polyline: Array, plates: int, parts: int) -> tuple[Array, Ints]:
     own = np.empty(0)
     if parts > 1:
         after = np.clip(np.searchsorted(at, arc), 1, len(at) - 1)
-        own = np.unique(arc[np.minimum(arc - at[after - 1], at[after] - arc) > 1e-9 * arc[-1]])
+        own = arc[np.minimum(arc - at[after - 1], at[after] - arc) > 1e-9 * arc[-1]]
     ends = (np.arange(len(at)) + np.searchsorted(own, at))[::parts]
     at = np.insert(at, np.searchsorted(at, own), own)
     return np.stack([np.interp(at, arc, column) for column in polyline.T], axis=-1), ends

@@ -184,11 +184,11 @@ def _resolving(of: Tolerance, simulator: Any, feet: tuple[Foot, ...], top: int) 
     Within a plate, sides then differ by less than a corner. Noise that is finer has the same means on
     neighbouring rungs, which thus agree: only a walk that resolves it knows what such an effect makes of it.
     """
-    acting = laws(simulator.effects)
-    if acting.gates is None and acting.pushes is None:
+    acting, drawings = laws(simulator.effects), [foot for foot in feet if foot.k is None]
+    if not drawings or (acting.gates is None and acting.pushes is None):
         return 0
     for rung in range(top):
-        cut = as_plates(feet, plates_at(Rung(0, rung)), of.rule, reshaping(simulator.effects))
+        cut = as_plates(drawings, plates_at(Rung(0, rung)), of.rule, reshaping(simulator.effects))
         turns = np.sqrt(np.sum(cut.turn**2 * cut.area, axis=1) / np.sum(cut.area, axis=1))
         if turns.max() < CORNER:
             return rung

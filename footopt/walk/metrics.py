@@ -25,7 +25,7 @@ class Raw(NamedTuple):
 
 
 RAW = Raw._fields
-JUMP = 8.0  # times as much is a parabola bent through a jump as through the samples on one side of it
+JUMP = 8.0  # how many times as much as another a parabola is bent that leads through a jump
 #: Columns of a trace: time, place, velocity, forces, powers and works, and where each but the first begins.
 COLUMNS, PARTS = 13, (1, 3, 5, 9, 11)
 
