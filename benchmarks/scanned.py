@@ -1,8 +1,8 @@
 """Soles as a scan has them, with noise, walk within their tolerance: python benchmarks/scanned.py COUNT SEED
 
-200 to 8,000 points, each off by a normal error of 0.01 to 0.3 mm, on sand of zeta 0.2 to
-50. Each at `standard`, against the parameters of `fine` refined once. With ``effects`` as a third argument,
-in scenes with effects, and a quarter of the feet are closed.
+200 to 8,000 points, each off by a normal error of 0.01 to 0.3 mm, on sand of zeta 0.2 to 50. Each at
+`standard`, against the parameters of `fine` refined once. With ``effects`` as a third argument, in scenes
+with effects, and a quarter of the feet are closed.
 """
 
 import sys
