@@ -58,7 +58,7 @@ class Clock:
                 (scene_module, "walk_batch", "walk"),
                 (scene_module, "as_plates", "plates"),
                 (prepare_module, "soles", "blocks"),
-                (problem_module, "evaluate", "evaluate"),
+                (problem_module, "evaluated", "evaluate"),
                 (fo.FootProblem, "minimised", "judge"),
                 (Archive, "evaluate", "archive"),
                 (Archive, "close_generation", "history"),

@@ -12,10 +12,11 @@ from pymoo.core.variable import Integer
 from footopt.arrays import Array, Bools, Ints, Words
 from footopt.design.fronts import Choice, excess
 from footopt.errors import check
-from footopt.foot import Waypoints, as_space
+from footopt.foot import Soles, Waypoints, as_space
 from footopt.walk.accuracy import AnyAccuracy, resolve
+from footopt.walk.ladder import numerics
 from footopt.walk.objectives import FIVE, MEASURES, Objective, lookup, offered
-from footopt.walk.simulate import as_simulator, evaluate
+from footopt.walk.simulate import as_simulator, evaluated
 from footopt.walk.simulator import Simulator
 
 #: Objectives by the name of a set; any sequence of names from `MEASURES` will do as well.
@@ -142,7 +143,8 @@ class FootProblem(Problem):
 
     def walk(self, k: Ints) -> tuple[Array, Words]:
         """Walk with designs (designs, n): recorded values (designs, record), and why a walk failed."""
-        table = evaluate(k, self.scene, self.accuracy, self.record, self.space, self.threads)
+        soles, accuracy = Soles(k, self.space), numerics(self.accuracy, self.scene, self.space)
+        table = evaluated(soles, self.scene, accuracy, self.record, self.threads)
         return table.values, table.reasons
 
     def column(self, values: Array, name: str) -> Array:

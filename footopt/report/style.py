@@ -12,9 +12,12 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib
+import numpy as np
 from matplotlib import rc_params_from_file
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import LayoutEngine
+from matplotlib.transforms import ScaledTranslation
 
 from footopt.errors import check
 from footopt.files.io import write_whole
@@ -23,6 +26,7 @@ from footopt.walk import Walk
 Axes = Any  # matplotlib.axes.Axes
 
 COLUMN, PAGE = 3.4, 7.0  # widths, inches
+LEFT, BOTTOM, RIGHT = 0.7, 0.42, 0.08  # margins, inches: on the left for a label and seven digits
 HIGHEST = 3.0  # times its width: of a figure whose axes have equal scales
 DPI = 200
 DATES = {"png": "Software", "pdf": "CreationDate", "svg": "Date"}  # metadata that would differ each time
@@ -67,9 +71,36 @@ def styled() -> Iterator[None]:
         yield
 
 
-def new_figure(width: float, height: float) -> Figure:
+class Margins(LayoutEngine):
+    """The same margins in every figure: frames line up, and no text but a legend's is measured.
+
+    The `top` is for a power of ten or a title, `across` and `down` are gaps between axes; all in inches.
+    """
+
+    _adjust_compatible = _colorbar_gridspec = True
+
+    def __init__(self, top: float = 0.18, across: float = 0.0, down: float = 0.0) -> None:
+        super().__init__()
+        self.top, self.gaps = top, (across, down)
+
+    def execute(self, fig: Any) -> None:
+        """Place the axes of a figure below its legends."""
+        size, top = fig.get_size_inches(), self.top
+        top += sum(legend.get_window_extent().height for legend in fig.legends) / fig.dpi
+        (left, bottom), (right, high) = np.array([LEFT, BOTTOM]) / size, 1.0 - np.array([RIGHT, top]) / size
+        rows, columns = fig.axes[0].get_gridspec().get_geometry()
+        frame = size * (right - left, high - bottom)
+        # matplotlib counts gaps in axes
+        across, down = (
+            n * gap / (all_ - (n - 1) * gap)
+            for n, gap, all_ in zip((columns, rows), self.gaps, frame, strict=True)
+        )
+        fig.subplots_adjust(left, bottom, right, high, across, down)
+
+
+def new_figure(width: float, height: float, layout: LayoutEngine | None = None) -> Figure:
     """An empty figure (inches), laid out at its picture's resolution: formulas are parsed once for both."""
-    figure = Figure(figsize=(width, height), dpi=DPI, layout="constrained")
+    figure = Figure(figsize=(width, height), dpi=DPI, layout=layout or "constrained")
     FigureCanvasAgg(figure)  # with another canvas its picture would have a renderer of its own
     return figure
 
@@ -112,6 +143,16 @@ def save(
         with write_whole(path) as new:
             figure.savefig(new, format=ending, metadata={DATES[ending]: None})
     return paths
+
+
+def line_up_labels(axes: Axes) -> None:
+    """Put the labels of both axes at the places for which `Margins` have room, whatever the ticks are."""
+    for axis, place, shift in (
+        (axes.xaxis, (0.5, 0.0), (0.0, 0.16 - BOTTOM)),
+        (axes.yaxis, (0.0, 0.5), (0.17 - LEFT, 0.0)),
+    ):
+        moved = ScaledTranslation(*shift, axes.figure.dpi_scale_trans)
+        axis.set_label_coords(*place, transform=axes.transAxes + moved)
 
 
 def legend_above(figure: Figure) -> None:

@@ -1,6 +1,6 @@
 """From sand, walker, gait and feet to what the compiled loop takes: world, plates, times and poses."""
 
-from functools import lru_cache, partial
+from functools import lru_cache, partial, reduce
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -105,10 +105,11 @@ def soles(plates: Plates) -> Sole:
     """Plates of all designs in whole blocks (the last one repeated without area), each in a rectangle."""
     count = plates.x.shape[1]
     order = np.minimum(np.arange(count + -count % LANES), count - 1)
-    rows = np.take(np.stack(plates[:-2], axis=1), order, axis=2)
+    rows = np.stack(plates[:-2], axis=1)
+    rows = rows if len(order) == count else np.take(rows, order, axis=2)
     rows[:, 4, count:] = 0.0  # their area
-    places = rows[:, :2].reshape(len(rows), 2, -1, LANES)
-    low, high = places.min(axis=3), places.max(axis=3)
+    places = np.moveaxis(rows[:, :2].reshape(len(rows), 2, -1, LANES), 3, 0)
+    low, high = reduce(np.minimum, places), reduce(np.maximum, places)  # over 8: numpy's own takes thrice
     return Sole(
         plates=rows,
         blocks=np.concatenate([0.5 * (low + high), 0.5 * (high - low)], axis=1),

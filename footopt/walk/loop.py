@@ -46,7 +46,7 @@ OK, SUNK, BACKWARD, DIVERGED = range(4)
 REASONS = ("", "sunk", "backward", "diverged")  # why a walk failed
 
 MAX_REPEATS = 3  # of a walk that diverged, each with a quarter of the previous time step
-BLOCK = 16  # designs that a thread takes at a time
+BLOCK = 16  # designs that a thread takes at a time, at most
 
 
 class Course(NamedTuple):
@@ -222,11 +222,14 @@ def walk_batch(
     )
     walk = compiled_for(walk_designs, constants.effects.all, stepper)
 
-    def run(begin: int) -> None:
-        walk(stepper, soles, constants, course, out, begin, min(begin + BLOCK, designs))
+    workers = at_once(threads)
+    size = min(BLOCK, 1 + designs // (2 * workers)) if workers > 1 else BLOCK
 
-    blocks = range(0, designs, BLOCK)
-    workers = min(at_once(threads), len(blocks))
+    def run(begin: int) -> None:
+        walk(stepper, soles, constants, course, out, begin, min(begin + size, designs))
+
+    blocks = range(0, designs, size)
+    workers = min(workers, len(blocks))
     list((_pool(workers).map if workers > 1 else map)(run, blocks))
     again = np.flatnonzero(out.status == DIVERGED)
     if len(again) == 0 or repeat == MAX_REPEATS:

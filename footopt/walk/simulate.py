@@ -97,7 +97,7 @@ def evaluate(
     objectives = (objectives,) if isinstance(objectives, str) else tuple(objectives)
     lookup(objectives, scene)
     given = bodies, scene, numerics(accuracy, scene, bodies), objectives, threads
-    table = _evaluated(*given)
+    table = evaluated(*given)
     return replace(table, errors=estimated(table.values, *given)) if errors else table
 
 
@@ -118,11 +118,11 @@ def estimated(
     finer = [accuracy.refined(times) for times in (1, 2)]
     if any(map(scene.too_long, finer)):
         return np.full_like(values, np.nan)
-    once, twice = (_evaluated(feet, scene, one, names, threads).values for one in finer)
+    once, twice = (evaluated(feet, scene, one, names, threads).values for one in finer)
     return SAFE * (np.abs(values - twice) + np.abs(once - twice))
 
 
-def _evaluated(
+def evaluated(
     feet: Sequence[Foot], scene: Simulator, accuracy: Accuracy, objectives: Sequence[str], threads: int | None
 ) -> Table:
     """`evaluate` at an accuracy that holds for all feet."""

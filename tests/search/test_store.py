@@ -43,11 +43,13 @@ def walked(monkeypatch):
     """The designs that are really walked, in order."""
     designs = []
 
-    def counted(k, *args, **named):
-        designs.extend(map(tuple, k.tolist()))
-        return fo.evaluate(k, *args, **named)
+    walk = fo.FootProblem.walk
 
-    monkeypatch.setattr("footopt.design.problem.evaluate", counted)
+    def counted(problem, k):
+        designs.extend(map(tuple, k.tolist()))
+        return walk(problem, k)
+
+    monkeypatch.setattr(fo.FootProblem, "walk", counted)
     return designs
 
 

@@ -23,7 +23,7 @@ SIGNS = {"thigh": "forward", "knee": "flexed", "foot": "toe up"}
 @style.styled()
 def contour(foot: Foot) -> Figure:
     """The sole in its box with its waypoints, its lower convex hull and the depth of its hollow."""
-    figure = style.new_figure(style.COLUMN, style.COLUMN)
+    figure = style.new_figure(style.COLUMN, style.COLUMN, style.Margins(0.24))
     draw_contour(figure.subplots(), foot)
     style.fit_height(figure, figure.axes)
     return figure

@@ -55,8 +55,7 @@ def components(walk: Walk, name: str) -> dict[str, tuple[int, ...]]:
 @style.styled()
 def _panels(walks: Mapping[str, Walk], names: Sequence[str], sharey: Any = False) -> Figure:
     """Traces of walks by label, in two rows of two panels, or in one row for one foot."""
-    figure = style.new_figure(style.PAGE, 3.6)
-    figure.set_layout_engine("constrained", wspace=0.05)
+    figure = style.new_figure(style.PAGE, 3.6, style.Margins(across=0.76, down=0.16))
     walk = next(iter(walks.values()))
     panels = [(name, *part) for name in names for part in components(walk, name).items()]
     rows = 2 if len(walk.sides) > 1 or "com" in names else 1
@@ -67,9 +66,9 @@ def _panels(walks: Mapping[str, Walk], names: Sequence[str], sharey: Any = False
         _finish(axes, walks.values())
         unit = QUANTITIES[name][0].rpartition(" ")[2]
         axes.set_ylabel(f"{symbol} {unit}")
+        style.line_up_labels(axes)
     for axes in grid[-1]:
         axes.set_xlabel("time $t$ (s)")
-    figure.align_ylabels()
     style.legend_above(figure)
     return figure
 
@@ -125,8 +124,7 @@ def step(walk: Walk) -> Figure:
     largest = float(np.linalg.norm(stage.force[:, foot], axis=-1).max())
     sole = stage.outline[:, foot].reshape(-1, 2)
     (left, low), (right, high) = sole.min(axis=0), sole.max(axis=0)
-    figure = style.new_figure(style.PAGE, 6.0)
-    figure.set_layout_engine("constrained", hspace=0.0)
+    figure = style.new_figure(style.PAGE, 6.0, style.Margins(0.22, 0.12, 0.16))
     grid = figure.subplots(ROWS, COLUMNS, sharex=True, sharey=True)
     digits = max(2, 1 - math.floor(math.log10(stage.t[-1] - begin)))
     for i, axes in enumerate(grid.flat):
@@ -144,7 +142,7 @@ def step(walk: Walk) -> Figure:
     title = f"{style.walk_label(f'{walk.sides[foot]} foot', walk)}, time since {since}"
     grid[0, COLUMNS // 2].set_title(f"{title}; arrows: force on 1/{ARROWS} of the sole")
     figure.supxlabel("$x$ (m)")
-    figure.supylabel("$z$ (m)")
+    figure.supylabel("$z$ (m)", x=0.005)
     style.fit_height(figure, grid[:, 0].tolist())
     return figure
 
@@ -155,7 +153,7 @@ def convergence(result: Any, base: float | None = None) -> Figure:
 
     They are those of a `footopt.design.SearchResult`, with the flat foot's value as `base` multiples of it.
     """
-    figure = style.new_figure(style.COLUMN, 2.4)
+    figure = style.new_figure(style.COLUMN, 2.4, style.Margins())
     draw_convergence(figure.subplots(), result, base)
     style.legend_above(figure)
     return figure
