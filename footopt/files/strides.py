@@ -18,6 +18,7 @@ MAX_GAP = 5.0  # deg by which thigh and knee may differ at the ends of a stride
 MAX_DEVIATION = 6.0  # deg rms by which a stride may differ from the mean of all
 MAX_STRIKE_PHASE = 0.1  # of a stride: where the heel strikes later, the stride is shifted to begin there
 LEAST_LOOP = -0.15  # of the ranges of thigh and knee, what their loop encloses; in walks it is 0.3 to 0.75
+MOST_ANKLE = 2.0  # times what the ankle would turn if the foot's pitch had the other sign; a level foot: 1
 ANGLES = ("thigh", "knee")
 #: The range of a walker's joints, deg; a table in other units or with other columns leaves it.
 ANGLE_RANGES = {"thigh": (-90.0, 120.0), "knee": (-12.0, 170.0), "foot": (-120.0, 120.0)}
@@ -150,10 +151,14 @@ def _check(strides: Strides, bounds: Array) -> None:
     if not least <= period <= largest:
         why = f"a stride of {period:.4g} s is no walk: those take {least:g} to {largest:g} s"
         raise Unusable(f"{why}. Is the time in s? Or no period was found. {WINDOW_HINT}")
-    thigh, knee = (strides.mean()[joint] for joint in ANGLES)
+    mean = strides.mean()
+    thigh, knee = (mean[joint] for joint in ANGLES)
     loop = 0.5 * np.sum(thigh[1:] * knee[:-1] - thigh[:-1] * knee[1:])
     if loop < LEAST_LOOP * np.ptp(thigh) * np.ptp(knee):
         raise Unusable("the knee bends as in a walk backwards. Is thigh or hip + where the knee is ahead?")
+    pitch, shank = mean.get("foot", thigh - knee), thigh - knee
+    if np.ptp(pitch - shank) > MOST_ANKLE * np.ptp(pitch + shank):
+        raise Unusable("the foot turns against the shank. Is its pitch + where the toes are up?")
 
 
 def _from_strike(strides: Strides, always: bool) -> Strides:

@@ -95,6 +95,13 @@ class TestStrides:
         with pytest.raises(FileError, match="walk backwards"):
             fo.fit_gait(SECONDS, *degrees(HUMAN, -SECONDS / HUMAN.period).values())
 
+    def test_a_pitch_of_the_other_sign_is_refused_and_a_level_foot_is_not(self):
+        thigh, knee, foot = degrees(HUMAN, SECONDS / HUMAN.period).values()
+        with pytest.raises(FileError, match="toes are up"):
+            fo.fit_gait(SECONDS, thigh, knee, -foot)
+        for share in (-0.2, 0.0, 0.5, 1.5):
+            fo.fit_gait(SECONDS, thigh, knee, share * (thigh - knee))
+
     def test_radians_are_refused_and_a_straight_knee_is_not(self):
         t, (thigh, knee, _) = 0.02 * np.arange(61), degrees(HUMAN, np.linspace(0.0, 1.0, 61)).values()
         fo.fit_gait(t, thigh, 0.0 * knee)
