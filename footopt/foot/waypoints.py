@@ -86,7 +86,8 @@ class Waypoints:
         except (TypeError, ValueError):  # words, or rows of different lengths
             given = np.empty((0, 0))
         allowed = f"{self.n} whole numbers (foot.n) from 1 to {self.K} a design"
-        check(given.ndim == 2 and given.shape[1] == self.n, "foot.k", k, allowed)
+        hint = f"For as many as these set foot.n={given.shape[-1]}." if given.shape[-1] > 3 else ""
+        check(given.ndim == 2 and given.shape[1] == self.n, "foot.k", k, allowed, hint)
         bad = ~((given >= 1) & (given <= self.K) & (given == np.round(given)))
         if bad.any():
             row, column = map(int, np.argwhere(bad)[0])

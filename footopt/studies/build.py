@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import asdict, fields, replace
+from dataclasses import asdict, fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -245,6 +245,7 @@ def check_read(config: Config, overrides: Iterable[str]) -> None:
         value: Any = config
         for key in name.split("."):
             value = getattr(value, key, None)
+        value = text if is_dataclass(value) else value
         if not covers(name, (*ALWAYS, *read_by(study))):
             raise not_read(name, value, study)
         for names, where, holds in ONLY:
