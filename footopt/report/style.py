@@ -26,7 +26,7 @@ from footopt.walk import Walk
 Axes = Any  # matplotlib.axes.Axes
 
 COLUMN, PAGE = 3.4, 7.0  # widths, inches
-LEFT, BOTTOM, RIGHT = 0.7, 0.42, 0.08  # margins, inches: on the left for a label and seven digits
+LEFT, BOTTOM, RIGHT = 0.7, 0.42, 0.14  # margins, inches: on the left for a label and seven digits
 HIGHEST = 3.0  # times its width: of a figure whose axes have equal scales
 DPI = 200
 DATES = {"png": "Software", "pdf": "CreationDate", "svg": "Date"}  # metadata that would differ each time

@@ -77,6 +77,19 @@ def outside(figure):
     return [text for text, box in labels(figure) if not (page.contains(*box.min) and page.contains(*box.max))]
 
 
+def crowded(figure):
+    """Tick labels that leave the page, or touch the label of their axis."""
+    page, found = figure.bbox.padded(1.0), []
+    for axis in (axis for a in figure.axes for axis in (a.xaxis, a.yaxis)):
+        (low, high), label = sorted(axis.get_view_interval()), axis.label.get_window_extent()
+        ticks = [t.label1 for t in axis.get_major_ticks() if low <= t.get_loc() <= high]
+        for text, box in [(t.get_text(), t.get_window_extent()) for t in ticks if t.get_text()]:
+            on_page = page.contains(*box.min) and page.contains(*box.max)
+            if not on_page or (axis.label.get_text() and box.shrunk(0.9, 0.9).overlaps(label)):
+                found.append(text)
+    return found
+
+
 # --- all of them ----------------------------------------------------------------------------------
 
 BESTS = [(10, np.nan), (20, -2.0), (30, -2.5), (40, -4.0)]
@@ -134,6 +147,7 @@ def test_every_figure_fits_a_journal_is_legible_and_no_label_covers_another(figu
     assert min(sizes) >= 7.0
     assert overlapping(figure) == []
     assert outside(figure) == []
+    assert crowded(figure) == []
     assert caplog.text == ""  # matplotlib's words are no user's
 
 
