@@ -223,7 +223,7 @@ def walk_batch(
     walk = compiled_for(walk_designs, constants.effects.all, stepper)
 
     workers = at_once(threads)
-    size = min(BLOCK, 1 + designs // (2 * workers)) if workers > 1 else BLOCK
+    size = min(BLOCK, 1 + designs // (2 * workers))
 
     def run(begin: int) -> None:
         walk(stepper, soles, constants, course, out, begin, min(begin + size, designs))
