@@ -81,21 +81,17 @@ class Margins(LayoutEngine):
 
     def __init__(self, top: float = 0.18, across: float = 0.0, down: float = 0.0) -> None:
         super().__init__()
-        self.top, self.gaps = top, (across, down)
+        self.top, self.across, self.down = top, across, down
 
     def execute(self, fig: Any) -> None:
         """Place the axes of a figure below its legends."""
-        size, top = fig.get_size_inches(), self.top
-        top += sum(legend.get_window_extent().height for legend in fig.legends) / fig.dpi
+        size, gaps = fig.get_size_inches(), np.array([self.across, self.down])
+        top = self.top + sum(legend.get_window_extent().height for legend in fig.legends) / fig.dpi
         (left, bottom), (right, high) = np.array([LEFT, BOTTOM]) / size, 1.0 - np.array([RIGHT, top]) / size
-        rows, columns = fig.axes[0].get_gridspec().get_geometry()
+        counts = np.array(fig.axes[0].get_gridspec().get_geometry()[::-1])  # of columns and of rows
         frame = size * (right - left, high - bottom)
-        # matplotlib counts gaps in axes
-        across, down = (
-            n * gap / (all_ - (n - 1) * gap)
-            for n, gap, all_ in zip((columns, rows), self.gaps, frame, strict=True)
-        )
-        fig.subplots_adjust(left, bottom, right, high, across, down)
+        spaces = counts * gaps / (frame - (counts - 1) * gaps)  # matplotlib measures gaps in axes
+        fig.subplots_adjust(left, bottom, right, high, *spaces)
 
 
 def new_figure(width: float, height: float, layout: LayoutEngine | None = None) -> Figure:
@@ -147,12 +143,9 @@ def save(
 
 def line_up_labels(axes: Axes) -> None:
     """Put the labels of both axes at the places for which `Margins` have room, whatever the ticks are."""
-    for axis, place, shift in (
-        (axes.xaxis, (0.5, 0.0), (0.0, 0.16 - BOTTOM)),
-        (axes.yaxis, (0.0, 0.5), (0.17 - LEFT, 0.0)),
-    ):
-        moved = ScaledTranslation(*shift, axes.figure.dpi_scale_trans)
-        axis.set_label_coords(*place, transform=axes.transAxes + moved)
+    frame, inches = axes.transAxes, axes.figure.dpi_scale_trans
+    axes.xaxis.set_label_coords(0.5, 0.0, frame + ScaledTranslation(0.0, 0.16 - BOTTOM, inches))
+    axes.yaxis.set_label_coords(0.0, 0.5, frame + ScaledTranslation(0.17 - LEFT, 0.0, inches))
 
 
 def legend_above(figure: Figure) -> None:

@@ -54,18 +54,14 @@ def run(study: Study) -> None:
     with study.compiling("every stepper"):
         for stepper in STEPPERS:
             evaluate(feet[:1], scene, Accuracy(stepper), space=space, threads=1)
-    preset, settings = dict[str, Accuracy](), list[tuple[str, Accuracy]]()
-    with study.progress(len(TOLERANCES) + len(STEPPERS), "ladder") as step:
-        for name in TOLERANCES:
-            preset[name] = numerics(PRESETS[name], scene, space)
-            step(news=name)
-        for stepper in STEPPERS:
-            of = replace(PRESETS["fine"], stepper=stepper)
-            settings += [
-                (stepper, numbers_at(of, scene.path, rung)) for rung in ladder(of, scene, space)[1].path
-            ]
-            step(news=stepper)
-    settings += preset.items()
+    fine = [replace(PRESETS["fine"], stepper=stepper) for stepper in STEPPERS]
+    with study.progress(len(TOLERANCES) + len(fine), "ladder") as step:
+        for of in (*(PRESETS[name] for name in TOLERANCES), *fine):
+            ladder(of, scene, space)  # which is kept
+            step(news=f"{of.name}, {of.stepper}")
+    preset = {name: numerics(PRESETS[name], scene, space) for name in TOLERANCES}
+    rungs = ((of, rung) for of in fine for rung in ladder(of, scene, space)[1].path)
+    settings = [*((of.stepper, numbers_at(of, scene.path, rung)) for of, rung in rungs), *preset.items()]
     measured = []
     with study.progress(len(settings) + 1, "setting") as step:
         truth = evaluate(feet, scene, CONVERGED, RECORD, space, study.config.engine.threads).values

@@ -105,8 +105,7 @@ def soles(plates: Plates) -> Sole:
     """Plates of all designs in whole blocks (the last one repeated without area), each in a rectangle."""
     count = plates.x.shape[1]
     order = np.minimum(np.arange(count + -count % LANES), count - 1)
-    rows = np.stack(plates[:-2], axis=1)
-    rows = rows if len(order) == count else np.take(rows, order, axis=2)
+    rows = np.take(np.stack(plates[:-2], axis=1), order, axis=2)
     rows[:, 4, count:] = 0.0  # their area
     places = np.moveaxis(rows[:, :2].reshape(len(rows), 2, -1, LANES), 3, 0)
     low, high = reduce(np.minimum, places), reduce(np.maximum, places)  # numpy's own takes thrice the time
