@@ -1,14 +1,15 @@
 """Every plate's place, motion and force, by the compiled law of the walk: what figures and studies ask."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from footopt.arrays import Array
+from footopt.compiled import inlined, inlined_fast
+from footopt.effects.dual import value
 from footopt.foot import Plates
 from footopt.gait import Pose
-from footopt.walk.contact import TURN, bristles_between, plate_force
+from footopt.walk.contact import TURN, bristles_between, outward_normal, plate_force
 from footopt.walk.discretize import sole_of
 from footopt.walk.own_code import compiled_for
 from footopt.walk.state import Motion, World, ankle_of, in_world, plates_between, write
@@ -56,25 +57,42 @@ def plate_states(
     if bristles is not None:
         e0 = np.zeros((pose.x.size, 2, sole.plates.shape[1]))
         e0[..., :count] = np.moveaxis(bristles, 3, 2).reshape(-1, 2, count)
-    compiled_for(each_plate, world.effects.all)(world, sole, pose.table(), hip, transition_speed, e0, out)
+    directed = None if world.effects.gates is None and world.effects.pushes is None else True
+    compiled_for(each_plate, world.effects.all)(
+        world, sole, directed, pose.table(), hip, transition_speed, e0, out
+    )
     place, moves, force, normal = (out[:, :, :count, i : i + 2] for i in range(0, 8, 2))
     transition = np.hypot(transition_speed, TURN * float(sole.span) * pose.rate)
     return PlateStates(place, moves, force, normal, plates.area[0], transition)
 
 
-def each_plate(
-    world: Any, sole: Any, poses: Array, hip: Array, transition_speed: float, e0: Any, out: Array
-) -> None:
+def each_plate(world, sole, directed, poses, hip, transition, e0, out):
     """Compiled: fill `out` (M, feet, plates, 8) with place, velocity, force and normal of every plate.
 
-    poses: (M, feet, 7). hip: (M, 4), its place and velocity. e0: bristles (M times feet, 2, plates), or None.
+    directed: True, or None where no effect needs the plates' directions. poses: (M, feet, 7). hip: (M, 4),
+    its place and velocity. e0: bristles of all feet, (M feet, 2, plates), or None.
     """
-    law, acting, part = world.law, world.effects, plates_between(sole, True, 0, sole.plates.shape[1])
+    feet = poses.shape[1]
     for m in range(len(hip)):
-        moving = Motion(hip[m, 0], hip[m, 1], hip[m, 2], hip[m, 3])
-        for foot in range(poses.shape[1]):
-            ankle = in_world(ankle_of(poses[m], foot), moving)
-            bristles = bristles_between(e0, m * poses.shape[1] + foot, 0, len(part.x))
-            for i in range(len(part.x)):
-                x, z, at, nx, nz = plate_force(law, acting, part, i, ankle, transition_speed, None, bristles)
-                write(out[m, foot, i], (at.x, at.z, at.vx, at.vz, x, z, nx, nz))
+        for foot in range(feet):
+            at, held = out[m, foot], m * feet + foot
+            _fill_foot(at, world, sole, directed, poses[m], foot, hip[m], transition, e0, held)
+
+
+# numba compiles a function once for each set of options of its callers: these two have those of the walk's
+
+
+@inlined
+def _fill_foot(out, world, sole, directed, poses, foot, hip, transition, e0, held):
+    count = sole.plates.shape[1]
+    part, tangent = plates_between(sole, directed, 0, count), plates_between(sole, True, 0, count).tangent
+    ankle = in_world(ankle_of(poses, foot), Motion(hip[0], hip[1], hip[2], hip[3]))
+    _fill(out, world, part, tangent, ankle, transition, bristles_between(e0, held, 0, count))
+
+
+@inlined_fast
+def _fill(out, world, part, tangent, ankle, transition, e0):
+    for i in range(len(part.x)):
+        x, z, at, _, _ = plate_force(world.law, world.effects, part, i, ankle, transition, world.given, e0)
+        nx, nz = outward_normal(tangent, i, ankle)
+        write(out[i], (at.x, at.z, at.vx, at.vz, value(x), value(z), nx, nz))
