@@ -61,30 +61,32 @@ def cut(points, ends):
     that turns by phi has directions of variance phi^2 / 12.
     """
     designs, plates = points.shape[0], ends.shape[1] - 1
-    out = np.zeros((8, designs, plates))
+    out, lengths = np.empty((8, designs, plates)), np.empty(points.shape[1] - 1)
     for d in range(designs):
+        at = points[d]
+        for j in range(len(lengths)):
+            dx, dz = at[j + 1, 0] - at[j, 0], at[j + 1, 1] - at[j, 1]
+            # a side of no length has no area, and no harm
+            lengths[j] = np.sqrt(max(dx * dx + dz * dz, 1e-60))
         for i in range(plates):
             x = z = c2 = s2 = total = 0.0
             first, last = ends[d, i], ends[d, i + 1]
             for j in range(first, last):
-                dx, dz = points[d, j + 1, 0] - points[d, j, 0], points[d, j + 1, 1] - points[d, j, 1]
-                square = max(dx * dx + dz * dz, 1e-60)  # a side of no length has no area, and no harm
-                length = np.sqrt(square)
-                x += 0.5 * (points[d, j + 1, 0] + points[d, j, 0]) * length
-                z += 0.5 * (points[d, j + 1, 1] + points[d, j, 1]) * length
+                dx, dz, length = at[j + 1, 0] - at[j, 0], at[j + 1, 1] - at[j, 1], lengths[j]
+                x += 0.5 * (at[j + 1, 0] + at[j, 0]) * length
+                z += 0.5 * (at[j + 1, 1] + at[j, 1]) * length
                 c2 += (dx * dx - dz * dz) / length
                 s2 += 2.0 * dx * dz / length
                 total += length
-            dx, dz = points[d, last, 0] - points[d, first, 0], points[d, last, 1] - points[d, first, 1]
+            dx, dz = at[last, 0] - at[first, 0], at[last, 1] - at[first, 1]
             norm = max(np.sqrt(dx * dx + dz * dz), 1e-30)
             out[0, d, i], out[1, d, i] = x / total, z / total
             out[2, d, i], out[3, d, i], out[4, d, i] = c2 / total, s2 / total, total
             tx, tz = dx / norm, dz / norm
             spread = 0.0  # from c2 and s2 it would be a small difference of large numbers
             for j in range(first, last):
-                dx, dz = points[d, j + 1, 0] - points[d, j, 0], points[d, j + 1, 1] - points[d, j, 1]
-                across = dx * tz - dz * tx
-                spread += across * across / np.sqrt(max(dx * dx + dz * dz, 1e-60))
+                across = (at[j + 1, 0] - at[j, 0]) * tz - (at[j + 1, 1] - at[j, 1]) * tx
+                spread += across * across / lengths[j]
             out[5, d, i], out[6, d, i], out[7, d, i] = tx, tz, np.sqrt(12.0 * spread / total)
     return out
 

@@ -88,7 +88,7 @@ class Waypoints:
         allowed = f"{self.n} whole numbers (foot.n) from 1 to {self.K} a design"
         hint = f"For as many as these set foot.n={given.shape[-1]}." if given.shape[-1] > 3 else ""
         check(given.ndim == 2 and given.shape[1] == self.n, "foot.k", k, allowed, hint)
-        bad = ~((given >= 1) & (given <= self.K) & (given == np.round(given)))
+        bad = ~((given >= 1) & (given <= self.K) & (given == np.rint(given)))
         if bad.any():
             row, column = map(int, np.argwhere(bad)[0])
             allowed, hint = f"a whole number from 1 to K = {self.K}", "Raise foot.K for a finer grid."
@@ -103,17 +103,17 @@ class Waypoints:
         """The soles as dense polylines from heel to toe, (designs, (n-1) FINE + 1, 2), m."""
         z = self.heights(k)
         x = -self.L + 2.0 * self.L * (np.arange((self.n - 1) * FINE + 1) / FINE) / (self.n - 1)
-        return np.stack(np.broadcast_arrays(x, fine_heights(z, slopes_of(z, slope_matrix(self.n)))), axis=-1)
+        return np.stack(np.broadcast_arrays(x, fine_heights(z, slope_matrix(self.n))), axis=-1)
 
     def points(self, k: ArrayLike, steps: int) -> Array:
         """Points on the spline at equal steps along its arc, (designs, steps + 1, 2), m."""
         z, spacing = self.heights(k), 2.0 * self.L / (self.n - 1)
-        return np.asarray(arc_points(z, slopes_of(z, slope_matrix(self.n)), spacing, steps))
+        return np.asarray(arc_points(z, slope_matrix(self.n), spacing, steps))
 
     def box_violation(self, k: ArrayLike) -> Array:
         """How far each spline leaves the box [-H, 0], (designs,), m; 0 inside."""
         z = self.heights(k)
-        return np.asarray(leaves(z, slopes_of(z, slope_matrix(self.n)), self.H))
+        return np.asarray(leaves(z, slope_matrix(self.n), self.H))
 
     def inside(self, k: ArrayLike) -> Bools:
         """Which soles stay in the box, but for `box_tolerance`, (designs,)."""
@@ -187,15 +187,14 @@ def slope_matrix(n: int) -> Array:
     return slopes
 
 
-@cached_njit(nogil=True, error_model="numpy")
-def slopes_of(z, matrix):
-    """z @ matrix.T, whose sums BLAS may round differently from batch to batch, (designs, n)."""
-    out = np.zeros_like(z)
-    for d in range(len(z)):
-        for i in range(z.shape[1]):
-            for j in range(z.shape[1]):
-                out[d, i] += z[d, j] * matrix[i, j]
-    return out
+@inlined
+def _fill_slopes(slopes, z, matrix):
+    """Fill in `slopes` with matrix @ z, whose sums BLAS may round differently from batch to batch."""
+    for i in range(len(z)):
+        total = 0.0
+        for j in range(len(z)):
+            total += z[j] * matrix[i, j]
+        slopes[i] = total
 
 
 @inlined
@@ -213,30 +212,33 @@ def _height(piece, s):
 
 
 @cached_njit(nogil=True, error_model="numpy")
-def fine_heights(z, slopes):
-    """Splines (designs, n), m, at `FINE` steps a piece, (designs, (n-1) FINE + 1), m."""
+def fine_heights(z, matrix):
+    """Splines through z, (designs, n), m, at `FINE` steps a piece, (designs, (n-1) FINE + 1), m."""
     designs, n = z.shape
-    out = np.empty((designs, (n - 1) * FINE + 1))
+    out, slopes = np.empty((designs, (n - 1) * FINE + 1)), np.empty(n)
     for d in range(designs):
+        _fill_slopes(slopes, z[d], matrix)
         for i in range(n - 1):
-            piece = _piece(z[d], slopes[d], i)
+            piece = _piece(z[d], slopes, i)
             for j in range(FINE + 1):  # a piece's last point is the next one's first
                 out[d, i * FINE + j] = _height(piece, j / FINE)
     return out
 
 
 @cached_njit(nogil=True, error_model="numpy")
-def leaves(z, slopes, depth):
-    """How far splines leave [-depth, 0] at the steps of `fine_heights`, (designs,), m.
+def leaves(z, matrix, depth):
+    """How far splines through z, (designs, n), m, leave [-depth, 0] at `FINE` steps a piece, (designs,), m.
 
     A piece lies within the hull of its Bezier points. It is skipped if these leave no further than others.
     """
-    worst, last = np.zeros(len(z)), z.shape[1] - 2
+    worst, slopes, last = np.empty(len(z)), np.empty(z.shape[1]), z.shape[1] - 2
     for d in range(len(z)):
+        worst[d] = 0.0
+        _fill_slopes(slopes, z[d], matrix)
         for i in range(last + 1):
-            hull = z[d, i], z[d, i] + slopes[d, i] / 3.0, z[d, i + 1] - slopes[d, i + 1] / 3.0, z[d, i + 1]
+            hull = z[d, i], z[d, i] + slopes[i] / 3.0, z[d, i + 1] - slopes[i + 1] / 3.0, z[d, i + 1]
             if max(max(hull), -depth - min(hull)) > worst[d] - 1e-9 * depth:
-                piece = _piece(z[d], slopes[d], i)
+                piece = _piece(z[d], slopes, i)
                 for j in range(FINE + (i == last)):
                     height = _height(piece, j / FINE)
                     worst[d] = max(worst[d], height, -depth - height)
@@ -244,28 +246,28 @@ def leaves(z, slopes, depth):
 
 
 @cached_njit(nogil=True, error_model="numpy")
-def arc_points(z, slopes, spacing, steps):
+def arc_points(z, matrix, spacing, steps):
     """Points at equal steps along the arcs of splines z(u), (designs, steps + 1, 2), m.
 
-    z and its slopes dz/du are (designs, n), m; u counts waypoints from 0, `spacing` is dx/du, m. The arc
-    length is summed by the trapezoidal rule over `FINE` pieces between two waypoints; within a piece, u is
-    linear in it. The points themselves are on the spline.
+    z are waypoints, (designs, n), m; u counts them from 0, `spacing` is dx/du, m. The arc length is summed by
+    the trapezoidal rule over `FINE` pieces between two waypoints; within a piece, u is linear in it. The
+    points themselves are on the spline.
     """
     designs, n = z.shape
     pieces = (n - 1) * FINE
     out = np.empty((designs, steps + 1, 2))
-    arc = np.empty(pieces + 1)
+    slopes, speed, arc = np.empty(n), np.empty(pieces + 1), np.empty(pieces + 1)
+    arc[0] = 0.0
     for d in range(designs):
-        arc[0] = before = 0.0
-        for j in range(pieces + 1):
-            i = min(j // FINE, n - 2)
-            s = j / FINE - i
-            _, slope, quadratic, cubic = _piece(z[d], slopes[d], i)
-            rate = slope + s * (2.0 * quadratic + 3.0 * s * cubic)
-            speed = np.sqrt(spacing * spacing + rate * rate)
-            if j > 0:
-                arc[j] = arc[j - 1] + 0.5 * (before + speed)
-            before = speed
+        _fill_slopes(slopes, z[d], matrix)
+        for i in range(n - 1):
+            _, slope, quadratic, cubic = _piece(z[d], slopes, i)
+            for j in range(FINE + 1):
+                s = j / FINE
+                rate = slope + s * (2.0 * quadratic + 3.0 * s * cubic)
+                speed[i * FINE + j] = np.sqrt(spacing * spacing + rate * rate)
+        for j in range(pieces):
+            arc[j + 1] = arc[j] + 0.5 * (speed[j] + speed[j + 1])
         j = 0
         for m in range(steps + 1):
             at = arc[pieces] * m / steps
@@ -274,5 +276,5 @@ def arc_points(z, slopes, spacing, steps):
             u = (j + min(max((at - arc[j]) / (arc[j + 1] - arc[j]), 0.0), 1.0)) / FINE
             i = min(int(u), n - 2)
             out[d, m, 0] = spacing * (u - 0.5 * (n - 1))
-            out[d, m, 1] = _height(_piece(z[d], slopes[d], i), u - i)
+            out[d, m, 1] = _height(_piece(z[d], slopes, i), u - i)
     return out
