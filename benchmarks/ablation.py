@@ -13,7 +13,7 @@ import numpy as np
 from solvers import main
 
 from footopt.design import SINGLE, SOLVERS
-from footopt.design.solvers.memetic import CROSSED, NORMAL, TWICE, Memetic, normal_sample
+from footopt.design.solvers.memetic import CROSSED, TWICE, Memetic
 
 
 class WithoutModel(Memetic):
@@ -40,7 +40,7 @@ class WithoutRestarts(Memetic):
 class WithoutRuns(Memetic):
     """Children differ from their parents by single waypoints, not by runs of neighbours."""
 
-    def _children(self, count: int) -> Any:
+    def _moved(self, count: int) -> Any:
         draw = self.random_state
         X = self._parents(count)
         n = X.shape[1]
@@ -55,9 +55,7 @@ class WithoutRuns(Memetic):
         coin = draw.random(count)
         often = np.where(crossed, coin < 0.5, 1 + (coin < TWICE))
         X = np.where((often > 0)[:, None], stepped(X), X)
-        X = np.where((often > 1)[:, None], stepped(X), X)
-        normal = draw.random(count) < NORMAL
-        return np.where(normal[:, None], normal_sample(self.pop.get("X").astype(float), count, draw), X)
+        return np.where((often > 1)[:, None], stepped(X), X)
 
 
 VARIANTS = {

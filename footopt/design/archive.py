@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from functools import partial
+from statistics import median
 from typing import Any, NamedTuple, Self
 
 import numpy as np
@@ -106,7 +107,8 @@ class Archive:
 
     def affordable(self, k: Ints, most: float) -> int:
         """How many of some designs, from the first on, fit into a budget of `most` different designs."""
-        fresh, room = self.known.fresh(k), most - len(self.known)
+        room = most - len(self.known)
+        fresh = self.known.fresh(k) if len(k) > room else ()
         return len(k) if len(fresh) <= room else int(fresh[int(room)])
 
     def evaluate(self, k: Ints) -> tuple[Array, Array]:
@@ -131,7 +133,7 @@ class Archive:
                 generation=len(self.history) + 1,
                 evaluations=len(self._latest) + (self.history[-1].evaluations if self.history else 0),
                 best=float(sign * self._f[front].min()) if one and len(front) else math.nan,
-                median=float(sign * np.median(self._f[latest])) if one and len(latest) else math.nan,
+                median=sign * median(self._f[latest, 0].tolist()) if one and len(latest) else math.nan,
                 front=len(front),
                 seconds=seconds,
                 hypervolume=math.nan if one else self._volume(front),

@@ -24,7 +24,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, is_dataclass
-from functools import reduce
+from functools import cache, reduce
 from inspect import getmembers, isfunction
 from typing import Any, NamedTuple
 
@@ -177,13 +177,20 @@ def laws(effects: Sequence[Effect]) -> Laws:
     """The laws of a scene's effects, as the compiled loop takes them."""
     found = [effect.law for effect in effects if effect.law is not None]
     for law in found:
-        methods = {name for name, _ in getmembers(type(law), isfunction) if name[0] != "_"}
-        if methods - {*HOOKS} or not any(hasattr(law, hook) for hook in HOOKS):
-            hint = f"It has {', '.join(sorted(methods)) or 'none'}."
-            raise SettingError("effects", type(law).__name__, f"a law with methods {', '.join(HOOKS)}", hint)
-        if not type(law).__module__.startswith("footopt."):
+        kind: Any = type(law)
+        _check_methods(kind)
+        if not kind.__module__.startswith("footopt."):
             _check_at_surface(law)
     return Laws(*(tuple(law for law in found if hasattr(law, hook)) or None for hook in HOOKS))
+
+
+@cache
+def _check_methods(kind: type) -> None:
+    """Raise unless a law's methods are hooks."""
+    methods = {name for name, _ in getmembers(kind, isfunction) if name[0] != "_"}
+    hint = f"It has {', '.join(sorted(methods)) or 'none'}."
+    allowed = f"a law with methods {', '.join(HOOKS)}"
+    check(bool(methods) and methods <= {*HOOKS}, "effects", kind.__name__, allowed, hint)
 
 
 def _check_at_surface(law: Any) -> None:

@@ -2,7 +2,7 @@
 
 from functools import lru_cache, partial, reduce
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -37,8 +37,13 @@ def with_bypassed_gates(world: World) -> World:
     """A world without gates, with those of the plausible effects, bypassed: one compiled walk serves both."""
     if world.effects.gates is not None:
         return world
-    gates = effects.laws([kind() for kind in effects.EFFECTS.values() if kind.plausible]).gates
+    gates = _plausible_gates(tuple(effects.EFFECTS.values()))
     return world._replace(effects=world.effects._replace(gates=gates), bypass=True)
+
+
+@lru_cache
+def _plausible_gates(kinds: tuple[type[effects.Effect], ...]) -> tuple[Any, ...] | None:
+    return effects.laws([kind() for kind in kinds if kind.plausible]).gates
 
 
 def time_grid(path: Path, accuracy: Accuracy) -> Array:

@@ -94,9 +94,12 @@ def numerics(
     The probes of a space are random soles, those of feet up to ten of them. Feet that are all of one space
     have the space's.
     """
-    if isinstance(accuracy, Accuracy):
-        return accuracy
-    return replace(ladder(accuracy, simulator, feet)[0], name=accuracy.name, tolerance=accuracy.error)
+    return accuracy if isinstance(accuracy, Accuracy) else _numerics(accuracy, simulator, _soles(feet))
+
+
+@lru_cache(maxsize=256)
+def _numerics(of: Tolerance, simulator: Simulator, soles: Waypoints | tuple[Foot, ...]) -> Accuracy:
+    return replace(ladder(of, simulator, soles)[0], name=of.name, tolerance=of.error)
 
 
 def ladder(

@@ -236,7 +236,7 @@ class Scene(Simulator):
         raw[status != OK] = np.nan
         if not sink:
             raw[:, RAW.index("maximum_sinkage")] = np.nan
-        reasons = np.array([REASONS[int(s)] for s in status], dtype=np.str_)
+        reasons = np.array(REASONS)[status]
         return Walked(raw, reasons, counts["evaluations"], {name: counts[name] for name in COUNTED})
 
     def trace(self, foot: Foot, accuracy: Accuracy) -> Walk:

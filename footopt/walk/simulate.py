@@ -128,10 +128,10 @@ def evaluated(
     """`evaluate` at an accuracy that holds for all feet."""
     raw, reasons, evaluations, counts = scene.walk(feet, accuracy, threads, objectives)
     values = np.full((len(raw), len(objectives)), np.nan)
-    chosen, feasible = lookup(objectives), reasons == ""
+    chosen, feasible, quantities = lookup(objectives), reasons == "", by_name(raw, scene.quantities)
     for column, o in enumerate(chosen):
         if o.of == "raw":
-            values[:, column] = o.value(by_name(raw, scene.quantities), scene)
+            values[:, column] = o.value(quantities, scene)
     if slow := [column for column, o in enumerate(chosen) if o.of != "raw"]:
         for design in np.flatnonzero(feasible).tolist():
             foot, each = feet[design], [chosen[c] for c in slow]

@@ -14,8 +14,8 @@ from footopt.errors import FootoptError, SettingError
 
 #: Digests of the soles that a search asks for: pop_size=12, n_gen=4, seed=1, n=7, K=10.
 ASKED = {
-    "memetic": "e696a63904beba14",
-    "archive": "e1d5b44f8d54d5f2",
+    "memetic": "f1454715b3afb0a6",
+    "archive": "c790832f09242d63",
     "ga": "4be32f3df281d981",
     "nsga2": "d93368f6e17a660d",
     "agemoea2": "e4a3946d6a77b802",
@@ -80,7 +80,7 @@ class TestSearch:
         """Of which one design is for the best by one objective alone."""
         p = problem(["distance", "work"], space=fo.Waypoints(n=7))
         k = search(p, "archive", pop_size=8, n_gen=8, seed=1).k
-        assert hashlib.sha256(k.astype("<i8").tobytes()).hexdigest()[:16] == "f2b53c4de59f6850"
+        assert hashlib.sha256(k.astype("<i8").tobytes()).hexdigest()[:16] == "fb0261654b959ab6"
 
     @pytest.mark.parametrize("name", SINGLE)
     def test_a_scalar_search_finds_the_best_of_a_space_it_can_enumerate(self, name):

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 from pymoo.core.algorithm import Algorithm
+from pymoo.core.individual import Individual
 from pymoo.core.initialization import Initialization
 from pymoo.core.population import Population
 from pymoo.util.display.multi import MultiObjectiveOutput
@@ -72,7 +73,8 @@ class Moves(Algorithm):
         if not len(found):  # a small space has no more
             self.termination.force_termination = True
             return None
-        return Population.new(X=found)
+        config = Individual.default_config()
+        return Population.create(*(Individual(config, X=k) for k in found))
 
     def _found(self, size: int) -> Ints:
         """New designs, `size` of them if there are as many."""
@@ -100,7 +102,16 @@ class Moves(Algorithm):
         return fresh
 
     def _children(self, count: int) -> Ints:
-        """Children of drawn parents: exchanged, shifted, or both; or drawn from all parents' distribution."""
+        """Children of drawn parents, or of all parents' distribution."""
+        normal = self.random_state.random(count) < NORMAL
+        drawn = int(normal.sum())
+        X = np.empty((count, self.problem.n_var), np.int64)
+        X[normal] = normal_sample(self.pool.X.astype(float), drawn, self.random_state)
+        X[~normal] = self._moved(count - drawn)
+        return X
+
+    def _moved(self, count: int) -> Ints:
+        """Children of drawn parents: exchanged, shifted, or both."""
         draw = self.random_state
         X = self._parents(count)
         crossed = draw.random(count) < CROSSED
@@ -108,9 +119,7 @@ class Moves(Algorithm):
         coin = draw.random(count)
         often = np.where(crossed, coin < 0.5, 1 + (coin < TWICE))
         X = np.where((often > 0)[:, None], shifted(X, draw), X)
-        X = np.where((often > 1)[:, None], shifted(X, draw), X)
-        normal = draw.random(count) < NORMAL
-        return np.where(normal[:, None], normal_sample(self.pool.X.astype(float), count, draw), X)
+        return np.where((often > 1)[:, None], shifted(X, draw), X)
 
     def _screened(self, X: Ints, count: int) -> Ints:
         """The most promising child, by a model of the walks so far, of each of `count` groups."""
@@ -307,8 +316,7 @@ def normal_sample(X: Array, count: int, draw: Any) -> Ints:
 
     An estimation of distribution (Larranaga & Lozano 2002); the variances do not vanish.
     """
-    n = X.shape[1]
-    deviations = X - X.mean(axis=0)
-    covariance = deviations.T @ deviations / max(len(X) - 1, 1) + 0.05 * np.eye(n)
-    drawn = X.mean(axis=0) + draw.normal(size=(count, n)) @ np.linalg.cholesky(covariance).T
-    return np.asarray(np.round(drawn).astype(np.int64))
+    n, mean = X.shape[1], X.mean(axis=0)
+    covariance = (X - mean).T @ (X - mean) / max(len(X) - 1, 1) + 0.05 * np.eye(n)
+    drawn = mean + draw.standard_normal((count, n)) @ np.linalg.cholesky(covariance).T
+    return np.asarray(np.rint(drawn).astype(np.int64))

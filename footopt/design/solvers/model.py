@@ -11,7 +11,7 @@ from scipy.linalg.lapack import dposv
 from footopt.arrays import Array, Ints
 from footopt.design.fronts import nondominated, ranks
 
-TRAINED = 300  # designs that a model knows at most: half of them the newest, the others the best
+TRAINED = 200  # designs that a model knows at most: half of them the newest, the others the best
 WIDTH, SMOOTHING = 0.7, 1e-3  # one over the Gaussians' length, in the range of heights; added to their matrix
 
 
@@ -82,27 +82,31 @@ class RankModel:
 
     def __init__(self, known: Ints, F: Array, top: int) -> None:
         self.ranks = ranks(F) / len(F)
-        self._scale, steps = -((WIDTH / top) ** 2), _steps(known)
-        one = np.ones(len(F))
-        self._known = np.column_stack([-2.0 * steps, one, np.square(steps).sum(axis=1)]).T
-        kernel = self._kernel(steps)
-        kernel[np.diag_indices(len(F))] += SMOOTHING
-        _, solved, _ = dposv(kernel.T, np.column_stack([self.ranks, one]), lower=True, overwrite_a=True)
+        self._scale, rows = -((WIDTH / top) ** 2), _rows(known)
+        self._known = np.concatenate([-2.0 * rows[:, :-2], rows[:, :-3:-1]], axis=1).T
+        kernel = self._kernel(rows)
+        np.fill_diagonal(kernel, 1.0 + SMOOTHING)
+        ranks_and_ones = np.column_stack([self.ranks, rows[:, -1]])
+        _, solved, _ = dposv(kernel.T, ranks_and_ones, lower=True, overwrite_a=True)
         self._constant = solved[:, :-1].sum(axis=0) / solved[:, -1].sum()
         self._weights = solved[:, :-1] - solved[:, -1:] * self._constant
 
     def __call__(self, X: Ints) -> Array:
         """Ranks of designs (designs, n) by each objective, (designs, objectives); the best is near 0."""
-        expected = self._kernel(_steps(X)) @ self._weights + self._constant
+        expected = self._kernel(_rows(X)) @ self._weights + self._constant
         return np.asarray(np.round(expected, 6))  # sums in another order must not lead elsewhere
 
-    def _kernel(self, steps: Array) -> Array:
+    def _kernel(self, rows: Array) -> Array:
         """exp(-(WIDTH r / top)^2) for the distances r from those that are known; of whole numbers exactly."""
-        square = np.column_stack([steps, np.square(steps).sum(axis=1), np.ones(len(steps))]) @ self._known
+        square = rows @ self._known
         square *= self._scale
         return np.asarray(np.exp(square, out=square))
 
 
-def _steps(X: Any) -> Array:
-    """Heights and differences of neighbours, (designs, 2 n - 1)."""
-    return np.concatenate([X, np.diff(X, axis=1)], axis=1).astype(float)
+def _rows(X: Any) -> Array:
+    """Heights and differences of neighbours, the sum of their squares, and 1: (designs, 2 n + 1)."""
+    n = X.shape[1]
+    rows = np.ones((len(X), 2 * n + 1))
+    rows[:, :n], rows[:, n:-2] = X, np.diff(X, axis=1)
+    rows[:, -2] = np.square(rows[:, :-2]).sum(axis=1)
+    return rows
