@@ -60,16 +60,21 @@ class Fourier(NamedTuple):
         a0, *ab = map(float, solution)
         return cls(a0, tuple(ab[:harmonics]), tuple(ab[harmonics:]))
 
-    def at(self, phase: Array, waves: list[tuple[float, Array, Array]] | None = None) -> Angle:
-        """Angle (rad) and its derivative in the phase (rad per stride); `waves` keep what series share."""
+    def at(self, phase: Array, waves: list[tuple[Array, Array]] | None = None) -> Angle:
+        """Angle (rad) and its derivative in the phase (rad per stride); `waves` keep what series share.
+
+        These are the cosines and sines of multiples of 2 pi p, each by addition theorems from the one before.
+        """
         value, rate, kept = np.full_like(phase, self.a0), np.zeros_like(phase), [] if waves is None else waves
+        if not kept:
+            kept.append((np.cos(2.0 * np.pi * phase), np.sin(2.0 * np.pi * phase)))
         for k, (a, b) in enumerate(zip(self.a, self.b, strict=True)):
             if k == len(kept):
-                w = 2.0 * np.pi * (k + 1)
-                kept.append((w, np.cos(w * phase), np.sin(w * phase)))
-            w, c, s = kept[k]
+                (c1, s1), (c, s) = kept[0], kept[-1]
+                kept.append((c * c1 - s * s1, s * c1 + c * s1))
+            c, s = kept[k]
             value += a * c + b * s
-            rate += w * (b * c - a * s)
+            rate += 2.0 * np.pi * (k + 1) * (b * c - a * s)
         return np.radians(value), np.radians(rate)
 
 
@@ -174,7 +179,7 @@ class Gait:
 
     def cycle(self, phase: ArrayLike) -> tuple[Angle, Angle, Angle]:
         """Thigh, shank and pitch of the steady walk: each an angle (rad) and its rate (rad/stride)."""
-        p, waves = np.asarray(phase, float), list[tuple[float, Array, Array]]()
+        p, waves = np.asarray(phase, float), list[tuple[Array, Array]]()
         (thigh, thigh_rate), (knee, knee_rate) = self.thigh.at(p, waves), self.knee.at(p, waves)
         shank = thigh - knee, thigh_rate - knee_rate
         if self.pitch == "measured" and self.foot is not None:
