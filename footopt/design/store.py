@@ -46,7 +46,6 @@ CREATE TABLE design (
     id INTEGER PRIMARY KEY, context INTEGER NOT NULL,
     k BLOB NOT NULL, record BLOB NOT NULL, reason TEXT NOT NULL
 );
-CREATE INDEX by_context ON design (context);
 """
 WALKED = f"reason NOT LIKE '{ERROR}%'"  # rows whose walk has raised no exception
 
@@ -169,10 +168,7 @@ class Store(AbstractContextManager["Store"]):
 
     def _others(self) -> dict[int, list[str]]:
         """Other keys that have designs, and how they differ."""
-        query = (
-            "SELECT id, description FROM context WHERE id != ? "
-            "AND EXISTS (SELECT 1 FROM design WHERE context = context.id)"
-        )
+        query = "SELECT id, description FROM context WHERE id != ? AND id IN (SELECT context FROM design)"
         with self._explained() as connection:
             rows = connection.execute(query, (self._id,)).fetchall()
         return {number: [*differences(json.loads(text), self._key).values()] for number, text in rows}

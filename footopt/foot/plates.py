@@ -60,33 +60,34 @@ def cut(points, ends):
     cosine and sine of twice the angle, length (m), the direction, a unit vector, and the turn (rad): an arc
     that turns by phi has directions of variance phi^2 / 12.
     """
-    designs, plates = points.shape[0], ends.shape[1] - 1
-    out, lengths = np.empty((8, designs, plates)), np.empty(points.shape[1] - 1)
+    designs, plates, sides = points.shape[0], ends.shape[1] - 1, points.shape[1] - 1
+    out = np.empty((8, designs, plates))
+    dx, dz, lengths = np.empty(sides), np.empty(sides), np.empty(sides)
+    c2, s2 = np.empty(sides), np.empty(sides)
     for d in range(designs):
         at = points[d]
-        for j in range(len(lengths)):
-            dx, dz = at[j + 1, 0] - at[j, 0], at[j + 1, 1] - at[j, 1]
-            # a side of no length has no area, and no harm
-            lengths[j] = np.sqrt(max(dx * dx + dz * dz, 1e-60))
+        for j in range(sides):  # loops that are vectorised write two arrays at most
+            dx[j], dz[j] = at[j + 1, 0] - at[j, 0], at[j + 1, 1] - at[j, 1]
+        for j in range(sides):  # a side of no length has no area, and no harm
+            lengths[j] = np.sqrt(max(dx[j] * dx[j] + dz[j] * dz[j], 1e-60))
+        for j in range(sides):
+            c2[j], s2[j] = (dx[j] * dx[j] - dz[j] * dz[j]) / lengths[j], 2.0 * dx[j] * dz[j] / lengths[j]
         for i in range(plates):
-            x = z = c2 = s2 = total = 0.0
             first, last = ends[d, i], ends[d, i + 1]
+            tx, tz = at[last, 0] - at[first, 0], at[last, 1] - at[first, 1]
+            norm = max(np.sqrt(tx * tx + tz * tz), 1e-30)
+            tx, tz = tx / norm, tz / norm
+            x = z = c = s = spread = total = 0.0
             for j in range(first, last):
-                dx, dz, length = at[j + 1, 0] - at[j, 0], at[j + 1, 1] - at[j, 1], lengths[j]
-                x += 0.5 * (at[j + 1, 0] + at[j, 0]) * length
-                z += 0.5 * (at[j + 1, 1] + at[j, 1]) * length
-                c2 += (dx * dx - dz * dz) / length
-                s2 += 2.0 * dx * dz / length
-                total += length
-            dx, dz = at[last, 0] - at[first, 0], at[last, 1] - at[first, 1]
-            norm = max(np.sqrt(dx * dx + dz * dz), 1e-30)
+                x += 0.5 * (at[j + 1, 0] + at[j, 0]) * lengths[j]
+                z += 0.5 * (at[j + 1, 1] + at[j, 1]) * lengths[j]
+                c += c2[j]
+                s += s2[j]
+                total += lengths[j]
+                across = dx[j] * tz - dz[j] * tx
+                spread += across * across / lengths[j]  # from c2 and s2: a small difference of large numbers
             out[0, d, i], out[1, d, i] = x / total, z / total
-            out[2, d, i], out[3, d, i], out[4, d, i] = c2 / total, s2 / total, total
-            tx, tz = dx / norm, dz / norm
-            spread = 0.0  # from c2 and s2 it would be a small difference of large numbers
-            for j in range(first, last):
-                across = (at[j + 1, 0] - at[j, 0]) * tz - (at[j + 1, 1] - at[j, 1]) * tx
-                spread += across * across / lengths[j]
+            out[2, d, i], out[3, d, i], out[4, d, i] = c / total, s / total, total
             out[5, d, i], out[6, d, i], out[7, d, i] = tx, tz, np.sqrt(12.0 * spread / total)
     return out
 

@@ -11,7 +11,7 @@ from scipy.linalg.lapack import dposv
 from footopt.arrays import Array, Ints
 from footopt.design.fronts import nondominated, ranks
 
-TRAINED = 200  # designs that a model knows at most: half of them the newest, the others the best
+TRAINED = 250  # designs that a model knows at most: half of them the newest, the others the best
 WIDTH, SMOOTHING = 0.7, 1e-3  # one over the Gaussians' length, in the range of heights; added to their matrix
 
 
