@@ -11,7 +11,6 @@ from typing import Any
 
 import llvmlite.binding
 import numba
-from filelock import FileLock
 from numba import config, njit, types
 from numba.core.caching import FunctionCache
 from numba.core.codegen import JITCodeLibrary
@@ -156,6 +155,8 @@ class _Cache(FunctionCache):
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Save what is compiled for a signature."""
+        from filelock import FileLock  # takes a hundredth of a second, and nearly no run compiles
+
         with FileLock(Path(self.cache_path) / "lock"):
             super().save_overload(sig, data)
 

@@ -15,7 +15,7 @@ import numpy as np
 from footopt.arrays import Array
 from footopt.effects.base import Effect, ordered
 from footopt.errors import TINY, SettingError, check, check_kind, check_number
-from footopt.foot import Foot, Waypoints
+from footopt.foot import Foot, Soles, Waypoints
 from footopt.gait import Gait
 from footopt.mujoco.controllers import Controller, FunctionController, Tracker
 from footopt.mujoco.model import BIPED, Model
@@ -23,7 +23,7 @@ from footopt.mujoco.traces import RobotWalk, traced
 from footopt.mujoco.walking import MEASURED, check_axes, quiet, walk
 from footopt.sand import Sand
 from footopt.walk import Accuracy, Scene, Simulator, Tolerance, Walker
-from footopt.walk.ladder import TOP, Found, Rung, climb, five, plates_at, probes
+from footopt.walk.ladder import PROBES, TOP, Found, Rung, climb, drawn, five, plates_at
 from footopt.walk.loop import at_once
 from footopt.walk.simulator import Walked
 
@@ -269,5 +269,5 @@ class Robot(Simulator):
 @lru_cache(maxsize=64)
 def _probed(robot: Robot, soles: Any, dt: float, plates: int) -> Walked:
     """Walks of the probes of a space, or of some feet, cached: every tolerance climbs the same rungs."""
-    feet = probes(soles) if isinstance(soles, Waypoints) else soles
+    feet = Soles(drawn(soles).k[:PROBES], soles) if isinstance(soles, Waypoints) else soles
     return robot.walk(feet, Accuracy(dt=dt, plates=plates))

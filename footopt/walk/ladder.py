@@ -94,19 +94,21 @@ def numerics(
     The probes of a space are random soles, those of feet up to ten of them. Feet that are all of one space
     have the space's.
     """
-    return accuracy if isinstance(accuracy, Accuracy) else _numerics(accuracy, simulator, _soles(feet))
-
-
-@lru_cache(maxsize=256)
-def _numerics(of: Tolerance, simulator: Simulator, soles: Waypoints | tuple[Foot, ...]) -> Accuracy:
-    return replace(ladder(of, simulator, soles)[0], name=of.name, tolerance=of.error)
+    if isinstance(accuracy, Accuracy):
+        return accuracy
+    return replace(ladder(accuracy, simulator, feet)[0], name=accuracy.name, tolerance=accuracy.error)
 
 
 def ladder(
     of: Tolerance, simulator: Simulator, feet: Waypoints | Foot | Sequence[Foot]
 ) -> tuple[Accuracy, Found]:
     """The numerical parameters for a tolerance, and how they were found."""
-    return simulator.ladder(of, _soles(feet)) or (Accuracy(), Found(Rung(), math.nan, math.nan))
+    return _ladder(of, simulator, _soles(feet))
+
+
+@lru_cache(maxsize=256)
+def _ladder(of: Tolerance, simulator: Simulator, soles: Any) -> tuple[Accuracy, Found]:
+    return simulator.ladder(of, soles) or (Accuracy(), Found(Rung(), math.nan, math.nan))
 
 
 def _soles(feet: Waypoints | Foot | Sequence[Foot]) -> Waypoints | tuple[Foot, ...]:
@@ -124,24 +126,28 @@ def _soles(feet: Waypoints | Foot | Sequence[Foot]) -> Waypoints | tuple[Foot, .
     return tuple(dict.fromkeys(feet[i] for i in spread.tolist()))
 
 
-@lru_cache(maxsize=256)
 def climbed(of: Tolerance, simulator: Simulator, path: Path, soles: Any) -> Found:
     """The end of the ladder of the planar walker for a space or some feet."""
+    top, first, rows, drawing = _top(of, path), BOTTOM, np.arange(DRAWN), 0.0
+    if isinstance(soles, Waypoints):
+        values, cost = _walked(simulator, soles, tuple(rows), numbers_at(of, path, first))
+        rows, drawing = np.argsort(np.isnan(values).all(axis=1), kind="stable")[:PROBES], DRAWN * cost
+    else:
+        first = Rung(0, _resolving(of, simulator, soles, top.plates))
 
     def walked(rung: Rung) -> tuple[Array, float]:
-        found = simulator.walk(chosen, numbers_at(of, path, rung))
-        return five(simulator, found), work(found.evaluations, found.counts["plates"]).mean()
+        return _walked(simulator, soles, tuple(rows), numbers_at(of, path, rung))
 
-    chosen, drawing = soles, 0.0
-    if isinstance(soles, Waypoints):
-        chosen = drawn(soles)
-        values, cost = walked(Rung())
-        fails = np.isnan(values).all(axis=1)
-        chosen, drawing = Soles(chosen.k[np.argsort(fails, kind="stable")[:PROBES]], soles), DRAWN * cost
-    top = _top(of, path)
-    first = Rung(0, 0 if isinstance(soles, Waypoints) else _resolving(of, simulator, soles, top.plates))
     found = climb(walked, top, of.error, MOST, DEEP, first)
     return found._replace(price=found.price + drawing)
+
+
+@lru_cache(maxsize=1024)  # ladders for several tolerances have rungs in common
+def _walked(simulator: Simulator, soles: Any, rows: Any, numbers: Accuracy) -> tuple[Array, float]:
+    """Objectives of feet, or of some of those drawn from a space, (feet, objectives), and a walk's work."""
+    feet = Soles(drawn(soles).k[list(rows)], soles) if isinstance(soles, Waypoints) else soles
+    found = simulator.walk(feet, numbers)
+    return five(simulator, found), work(found.evaluations, found.counts["plates"]).mean()
 
 
 def five(simulator: Simulator, found: Walked) -> Array:
@@ -153,11 +159,6 @@ def five(simulator: Simulator, found: Walked) -> Array:
     values = np.stack([OBJECTIVES[name].value(raw, simulator) for name in FIVE], axis=1)
     units: Array = sizes(np.zeros(len(FIVE))) / sizes(np.zeros(len(FIVE)), simulator)
     return values * units
-
-
-def probes(space: Waypoints) -> Soles:
-    """Soles of a space that stand for all of it, `PROBES` of them."""
-    return Soles(drawn(space).k[:PROBES], space)
 
 
 def drawn(space: Waypoints) -> Soles:

@@ -267,7 +267,7 @@ class Scene(Simulator):
 
     def ladder(self, of: Tolerance, soles: Waypoints | tuple[Foot, ...]) -> tuple[Accuracy, Found]:
         """The numerical parameters for a tolerance, and how they were found."""
-        found = climbed(replace(of, name="", refinements=0), self, self.path, soles)
+        found = climbed(of, self, self.path, soles)
         numbers = numbers_at(of, self.path, found.rung)
         return replace(numbers.refined(of.refinements), **of.by_hand) if of.refinements else numbers, found
 
