@@ -4,6 +4,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+from numba import njit
 from numba.core.registry import cpu_target
 
 import footopt
@@ -45,6 +46,19 @@ def test_whole_registers_are_filled_where_there_are_some_and_only_by_footopt():
     assert ours(np.ones(100)) == 100.0
     assert ("zmm" in ours.inspect_asm(ours.signatures[0])) == ("+avx512f" in features)
     assert codegen._tm is usual
+
+
+def test_a_function_that_compiled_code_calls_can_still_be_called_from_python():
+    """Only those that cannot have no machine code of their own."""
+    doubled = njit(lambda x: 2.0 * x)
+    tripled = compiled.inlined(lambda x: 3.0 * x)
+    codegen = cpu_target.target_context.codegen()
+    usual = codegen._library_class
+    assert compiled.wide_njit(lambda x: doubled(tripled(x)))(1.0) == 6.0
+    assert len(doubled.signatures) == 1
+    assert (doubled(2.0), tripled(2.0)) == (4.0, 6.0)
+    assert len(doubled.signatures) == 1
+    assert codegen._library_class is usual
 
 
 def test_one_walk_is_compiled_for_every_plausible_law_of_the_sand():
