@@ -107,8 +107,7 @@ class Archive:
 
     def affordable(self, k: Ints, most: float) -> int:
         """How many of some designs, from the first on, fit into a budget of `most` different designs."""
-        room = most - len(self.known)
-        fresh = self.known.fresh(k) if len(k) > room else ()
+        fresh, room = self.known.fresh(k), most - len(self.known)
         return len(k) if len(fresh) <= room else int(fresh[int(room)])
 
     def evaluate(self, k: Ints) -> tuple[Array, Array]:

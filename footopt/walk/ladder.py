@@ -103,12 +103,7 @@ def ladder(
     of: Tolerance, simulator: Simulator, feet: Waypoints | Foot | Sequence[Foot]
 ) -> tuple[Accuracy, Found]:
     """The numerical parameters for a tolerance, and how they were found."""
-    return _ladder(of, simulator, _soles(feet))
-
-
-@lru_cache(maxsize=256)
-def _ladder(of: Tolerance, simulator: Simulator, soles: Any) -> tuple[Accuracy, Found]:
-    return simulator.ladder(of, soles) or (Accuracy(), Found(Rung(), math.nan, math.nan))
+    return simulator.ladder(of, _soles(feet)) or (Accuracy(), Found(Rung(), math.nan, math.nan))
 
 
 def _soles(feet: Waypoints | Foot | Sequence[Foot]) -> Waypoints | tuple[Foot, ...]:
@@ -126,6 +121,7 @@ def _soles(feet: Waypoints | Foot | Sequence[Foot]) -> Waypoints | tuple[Foot, .
     return tuple(dict.fromkeys(feet[i] for i in spread.tolist()))
 
 
+@lru_cache(maxsize=256)
 def climbed(of: Tolerance, simulator: Simulator, path: Path, soles: Any) -> Found:
     """The end of the ladder of the planar walker for a space or some feet."""
     top, first, rows, drawing = _top(of, path), BOTTOM, np.arange(DRAWN), 0.0

@@ -70,6 +70,12 @@ class TestFunctions:
         table = fo.evaluate([[4, 3, 2, 1, 1], SOLES[2]], fo.FunctionSimulator(ramp, FIVE), space=SPACE)
         assert table.reasons.tolist() == ["steep", ""]
 
+    def test_a_simulator_of_one_s_own_need_not_be_hashable(self):
+        class Own(fo.FunctionSimulator):
+            __hash__ = None
+
+        assert fo.evaluate(SOLES, Own(ramp, FIVE), space=SPACE).feasible.all()
+
     def test_no_values_are_no_walk(self):
         with pytest.raises(TypeError, match="returned None"):
             fo.evaluate(SOLES, fo.FunctionSimulator(lambda foot: None, FIVE), space=SPACE)
