@@ -96,9 +96,9 @@ def diagnose(walk: Walk) -> list[Diagnostic]:
     states = walk.plates(index)
     depth = states.depth
     lasts = np.diff(walk.t[index], prepend=0.0)[:, None, None]  # s, of the time that a sample stands for
-    size = lasts * np.linalg.norm(states.force, axis=-1)
-    speed = np.linalg.norm(states.velocity, axis=-1)
-    vn = np.sum(states.normal * states.velocity, axis=-1)
+    force, v = states.force, states.velocity
+    size, speed = lasts * np.sqrt(np.vecdot(force, force)), np.sqrt(np.vecdot(v, v))
+    vn = np.vecdot(states.normal, v)
     power = lasts * np.abs(states.power)
     counted = [effect for effect in walk.scene.effects if effect.is_inertia]
     pushes = laws(counted or [kind() for kind in EFFECTS.values() if kind.is_inertia]).pushes

@@ -157,6 +157,7 @@ def five(simulator: Simulator, found: Walked) -> Array:
     return values * units
 
 
+@lru_cache(maxsize=16)
 def drawn(space: Waypoints) -> Soles:
     """`DRAWN` random soles of a space: every other one rough, those between on lines through few heights.
 

@@ -225,12 +225,17 @@ def walk_batch(
     workers = at_once(threads)
     size = min(BLOCK, 1 + designs // (2 * workers))
 
-    def run(begin: int) -> None:
-        walk(stepper, soles, constants, course, out, begin, min(begin + size, designs))
-
     blocks = range(0, designs, size)
-    workers = min(workers, len(blocks))
-    list((_pool(workers).map if workers > 1 else map)(run, blocks))
+    left = iter(blocks)  # the next one for each thread that is free
+
+    def run() -> None:
+        for begin in left:
+            walk(stepper, soles, constants, course, out, begin, min(begin + size, designs))
+
+    others = [_pool(workers - 1).submit(run) for _ in range(min(workers, len(blocks)) - 1)]
+    run()
+    for other in others:
+        other.result()
     again = np.flatnonzero(out.status == DIVERGED)
     if len(again) == 0 or repeat == MAX_REPEATS:
         return out

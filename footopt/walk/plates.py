@@ -34,7 +34,7 @@ class PlateStates:
     @property
     def power(self) -> Array:
         """f.v of every plate, (M, 2 feet, N), W: the paper's eq. 7."""
-        return np.asarray(np.sum(self.force * self.velocity, axis=-1))
+        return np.asarray(np.vecdot(self.force, self.velocity))
 
 
 def plate_states(
