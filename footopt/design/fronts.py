@@ -49,6 +49,8 @@ class Volume:
 
 def nondominated(F: Array) -> Bools:
     """Which designs no other dominates, (designs,)."""
+    if F.shape[1] == 1:
+        return np.asarray(F[:, 0] == F.min(initial=np.inf))
     from moocore import is_nondominated
 
     return np.asarray(is_nondominated(np.ascontiguousarray(F, float), keep_weakly=True))

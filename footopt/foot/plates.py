@@ -62,16 +62,18 @@ def cut(points, ends):
     """
     designs, plates, sides = points.shape[0], ends.shape[1] - 1, points.shape[1] - 1
     out = np.empty((8, designs, plates))
-    dx, dz, lengths = np.empty(sides), np.empty(sides), np.empty(sides)
-    c2, s2 = np.empty(sides), np.empty(sides)
+    dx, dz, c2, s2 = np.empty(sides), np.empty(sides), np.empty(sides), np.empty(sides)
+    lengths, per_length = np.empty(sides), np.empty(sides)
     for d in range(designs):
         at = points[d]
         for j in range(sides):  # loops that are vectorised write two arrays at most
             dx[j], dz[j] = at[j + 1, 0] - at[j, 0], at[j + 1, 1] - at[j, 1]
         for j in range(sides):  # a side of no length has no area, and no harm
             lengths[j] = np.sqrt(max(dx[j] * dx[j] + dz[j] * dz[j], 1e-60))
+            per_length[j] = 1.0 / lengths[j]
         for j in range(sides):
-            c2[j], s2[j] = (dx[j] * dx[j] - dz[j] * dz[j]) / lengths[j], 2.0 * dx[j] * dz[j] / lengths[j]
+            c2[j] = (dx[j] * dx[j] - dz[j] * dz[j]) * per_length[j]
+            s2[j] = 2.0 * dx[j] * dz[j] * per_length[j]
         for i in range(plates):
             first, last = ends[d, i], ends[d, i + 1]
             tx, tz = at[last, 0] - at[first, 0], at[last, 1] - at[first, 1]
@@ -85,10 +87,12 @@ def cut(points, ends):
                 s += s2[j]
                 total += lengths[j]
                 across = dx[j] * tz - dz[j] * tx
-                spread += across * across / lengths[j]  # from c2 and s2: a small difference of large numbers
-            out[0, d, i], out[1, d, i] = x / total, z / total
-            out[2, d, i], out[3, d, i], out[4, d, i] = c / total, s / total, total
-            out[5, d, i], out[6, d, i], out[7, d, i] = tx, tz, np.sqrt(12.0 * spread / total)
+                # from c2 and s2 it would be a small difference of large numbers
+                spread += across * across * per_length[j]
+            per = 1.0 / total
+            out[0, d, i], out[1, d, i], out[2, d, i], out[3, d, i] = per * x, per * z, per * c, per * s
+            out[4, d, i], out[5, d, i], out[6, d, i] = total, tx, tz
+            out[7, d, i] = np.sqrt(12.0 * per * spread)
     return out
 
 

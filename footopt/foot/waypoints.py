@@ -268,13 +268,15 @@ def arc_points(z, matrix, spacing, steps):
                 speed[i * FINE + j] = np.sqrt(spacing * spacing + rate * rate)
         for j in range(pieces):
             arc[j + 1] = arc[j] + 0.5 * (speed[j] + speed[j + 1])
-        j = 0
-        for m in range(steps + 1):
-            at = arc[pieces] * m / steps
-            while j < pieces - 1 and arc[j + 1] < at:
-                j += 1
-            u = (j + min(max((at - arc[j]) / (arc[j + 1] - arc[j]), 0.0), 1.0)) / FINE
-            i = min(int(u), n - 2)
-            out[d, m, 0] = spacing * (u - 0.5 * (n - 1))
-            out[d, m, 1] = _height(_piece(z[d], slopes, i), u - i)
+        step, first = arc[pieces] / steps, 0
+        for i in range(n - 1):
+            piece = _piece(z[d], slopes, i)
+            for j in range(i * FINE, (i + 1) * FINE):
+                end = steps + 1 if j == pieces - 1 else int(arc[j + 1] / step) + 1
+                begin, per_length = (j - i * FINE) / FINE, 1.0 / (FINE * (arc[j + 1] - arc[j]))
+                for m in range(first, end):
+                    s = begin + (m * step - arc[j]) * per_length
+                    out[d, m, 0] = spacing * (i + s - 0.5 * (n - 1))
+                    out[d, m, 1] = _height(piece, s)
+                first = end
     return out

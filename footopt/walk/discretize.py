@@ -17,9 +17,9 @@ from footopt.walk.steppers import STEPPERS
 
 REST = 4  # times as long steps while the walker stands
 HALVINGS = 6  # of a step under control, at most: a power that jumps has its peak at one end of the jump
-TABLED = 3  # of these, those with tables of poses; the poses of shorter steps are between those
+TABLED = 2  # of these, those with tables of poses; the poses of shorter steps are between those
 ROWS = 5_000_000  # most poses of a walk that are tabulated, 112 bytes each; ten minutes take 2.6 million
-POSES = 64  # cached tables of poses: about 1 MB each; making one takes as long as a few dozen walks
+POSES = 64  # cached tables of poses: about half a MB each; making one takes as long as a few dozen walks
 LONG = ROWS // POSES  # poses in a table above which only `LONG_ONES` are cached
 LONG_ONES = 2
 
@@ -108,10 +108,10 @@ long_pose_tables = lru_cache(maxsize=LONG_ONES)(_pose_tables)
 
 def soles(plates: Plates) -> Sole:
     """Plates of all designs in whole blocks (the last one repeated without area), each in a rectangle."""
-    count = plates.x.shape[1]
-    order = np.minimum(np.arange(count + -count % LANES), count - 1)
-    rows = np.take(np.stack(plates[:-2], axis=1), order, axis=2)
-    rows[:, 4, count:] = 0.0  # their area
+    count, rows = plates.x.shape[1], np.stack(plates[:-2], axis=1)
+    if more := -count % LANES:
+        rows = np.concatenate([rows, np.repeat(rows[:, :, -1:], more, axis=2)], axis=2)
+        rows[:, 4, count:] = 0.0  # their area
     places = np.moveaxis(rows[:, :2].reshape(len(rows), 2, -1, LANES), 3, 0)
     low, high = reduce(np.minimum, places), reduce(np.maximum, places)  # numpy's own takes thrice the time
     return Sole(

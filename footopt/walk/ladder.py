@@ -201,6 +201,7 @@ def plates_at(rung: Rung) -> int:
     return LANES * round(FEWEST / LANES * 2 ** (rung.plates / 2))
 
 
+@lru_cache(maxsize=1024)
 def numbers_at(of: Tolerance, path: Path, rung: Rung) -> Accuracy:
     """The numerical parameters of a rung for a walk; those that are set by hand replace them."""
     period = path.gait.period

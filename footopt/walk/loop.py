@@ -223,7 +223,7 @@ def walk_batch(
     walk = compiled_for(walk_designs, constants.effects.all, stepper)
 
     workers = at_once(threads)
-    size = min(BLOCK, 1 + designs // (2 * workers))
+    size = min(BLOCK, 1 + designs // (4 * workers))
 
     blocks = range(0, designs, size)
     left = iter(blocks)  # the next one for each thread that is free

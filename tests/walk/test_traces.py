@@ -108,7 +108,7 @@ class TestTraces:
         steps = np.diff(walk.t)[walk.t[1:] > 0.6]
         halvings = np.log2(steps.max() / steps)
         np.testing.assert_allclose(halvings, np.round(halvings), atol=1e-6)
-        assert set(np.round(halvings)) == {0, 1, 2, 3}
+        assert set(np.round(halvings)) == {*range(TABLED + 1)}
         assert 0 < walk.counts["shortened"] < 0.2 * len(walk.t)
         table = fo.evaluate([ramp_foot], walk.scene, accuracy)
         assert table.counts["shortened"][0] == walk.counts["shortened"]

@@ -107,6 +107,6 @@ def _rows(X: Any) -> Array:
     """Heights and differences of neighbours, the sum of their squares, and 1: (designs, 2 n + 1)."""
     n = X.shape[1]
     rows = np.ones((len(X), 2 * n + 1))
-    rows[:, :n], rows[:, n:-2] = X, np.diff(X, axis=1)
-    rows[:, -2] = np.square(rows[:, :-2]).sum(axis=1)
+    rows[:, :n], rows[:, n:-2] = X, X[:, 1:] - X[:, :-1]
+    rows[:, -2] = np.vecdot(rows[:, :-2], rows[:, :-2])
     return rows
