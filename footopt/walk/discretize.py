@@ -17,6 +17,7 @@ from footopt.walk.steppers import STEPPERS
 
 REST = 4  # times as long steps while the walker stands
 HALVINGS = 6  # of a step under control, at most: a power that jumps has its peak at one end of the jump
+TRACED = 3  # of these, those that a trace has rows for
 TABLED = 2  # of these, those with tables of poses; the poses of shorter steps are between those
 ROWS = 5_000_000  # most poses of a walk that are tabulated, 112 bytes each; ten minutes take 2.6 million
 POSES = 64  # cached tables of poses: about half a MB each; making one takes as long as a few dozen walks

@@ -57,6 +57,7 @@ class Course(NamedTuple):
     poses: Any  # a table for whole steps, (steps, nodes, 2, 7), then for halves, quarters, ... of them
     nodes: Array  # where in a step these are, as shares of it
     tabled: int  # the last of these tables that is used
+    traced: int  # a trace has rows for steps halved so often
     finest: int  # how often a step may be halved
     control: float  # m/s, the largest `step_error`; infinite for steps that are never shortened
     strike: float  # s, the first heel strike
@@ -66,14 +67,14 @@ class Course(NamedTuple):
 class Output(NamedTuple):
     """The arrays that are filled; the traces are those of one design.
 
-    Row 0 of the traces is the start, the next ones are the ends of the shortest steps in the tables of poses:
-    rows inside longer steps are left as they were.
+    Row 0 of the traces is the start, the next ones are the ends of steps halved `Course.traced` times: rows
+    inside longer steps are left as they were.
     """
 
     raw: Array  # (designs, len(RAW))
     status: Any  # (designs,)
     counts: Any  # (designs,) of `COUNTS`
-    trace: Array  # (shortest tabled steps + 1, `metrics.COLUMNS`); without rows, nothing is traced
+    trace: Array  # (shortest traced steps + 1, `metrics.COLUMNS`); without rows, nothing is traced
     bristles: Any  # (rows of the trace, 2 feet, 2, plates), or None
 
 
@@ -85,7 +86,7 @@ def walk_designs(method, soles, world, course, out, begin, end):
     `walk_batch` repeats it with a quarter of the time step, three times at most.
     """
     times, control, tabled, finest = course.times, course.control, course.tabled, course.finest
-    steps, row = len(times) - 1, 1 << (finest - tabled)
+    steps, row = len(times) - 1, 1 << (finest - course.traced)
     within = np.empty((len(course.nodes), 2, 7))
     for d in range(begin, end):
         sole, count = sole_at(soles, d), out.counts[d]
@@ -132,7 +133,7 @@ def walk_designs(method, soles, world, course, out, begin, end):
             extremes = updated(extremes, state, new, ax0, ax1, t, h, course.strike, depth)
             state = new
             if place % row == 0:
-                _trace(out, (n << tabled) + place // row, t, state)
+                _trace(out, (n << course.traced) + place // row, t, state)
             if level > 0 and place % (2 * stride) == 0 and error < LENGTHEN * allowed:
                 level -= 1
         if status == OK:
@@ -207,12 +208,13 @@ def walk_batch(
     stepper, designs = STEPPERS[accuracy.stepper].parameters, len(plates.x)
     times, pose0, tables = discretize.poses(path, accuracy)
     soles, constants = discretize.soles(plates), discretize.with_bypassed_gates(world)
-    rows, padded = len(tables[-1]) + 1 if traced else 0, soles.plates.shape[2]
     tabled, control = len(tables) - 1, math.inf if accuracy.control is None else accuracy.control
     # always as many tables: the loop would be compiled again for another number of them
     tables += tables[:1] * (discretize.TABLED - tabled)
-    nodes, finest = np.array(STEPPERS[accuracy.stepper].nodes), discretize.HALVINGS if tabled else 0
-    course = Course(times, pose0, tables, nodes, tabled, finest, control, path.gait.heel_strike, sink)
+    nodes, strike = np.array(STEPPERS[accuracy.stepper].nodes), path.gait.heel_strike
+    halved = (discretize.TRACED, discretize.HALVINGS) if tabled else (0, 0)
+    course = Course(times, pose0, tables, nodes, tabled, *halved, control, strike, sink)
+    rows, padded = ((len(times) - 1) << halved[0]) + 1 if traced else 0, soles.plates.shape[2]
     out = Output(
         raw=np.full((designs, len(RAW)), np.nan),
         status=np.empty(designs, np.int64),

@@ -10,7 +10,7 @@ import pytest
 import footopt as fo
 from footopt.walk import discretize
 from footopt.walk.checks import diagnose
-from footopt.walk.discretize import TABLED, time_grid
+from footopt.walk.discretize import TRACED, time_grid
 from footopt.walk.newton import NEWTON
 
 
@@ -99,7 +99,7 @@ class TestTraces:
         """Each time is on the grid of the shortest steps, and steps are short where forces change."""
         accuracy = fo.Accuracy(dt=1e-2, control=1e-4)
         walk = fo.simulate(ramp_foot, fo.Scene(), accuracy)
-        parts = 2**TABLED
+        parts = 2**TRACED
         grid = time_grid(walk.scene.path, accuracy)
         fine = np.concatenate([grid[:-1, None] + np.diff(grid)[:, None] * np.arange(parts) / parts]).ravel()
         place = np.searchsorted(fine, walk.t[:-1] - 1e-9)
@@ -108,7 +108,7 @@ class TestTraces:
         steps = np.diff(walk.t)[walk.t[1:] > 0.6]
         halvings = np.log2(steps.max() / steps)
         np.testing.assert_allclose(halvings, np.round(halvings), atol=1e-6)
-        assert set(np.round(halvings)) == {*range(TABLED + 1)}
+        assert set(np.round(halvings)) == {*range(TRACED + 1)}
         assert 0 < walk.counts["shortened"] < 0.2 * len(walk.t)
         table = fo.evaluate([ramp_foot], walk.scene, accuracy)
         assert table.counts["shortened"][0] == walk.counts["shortened"]

@@ -67,7 +67,7 @@ function motion(dt) {
   for (let k = 0; k < standing; k++) times.push((start * k) / standing);
   const n = steps(end - from);
   for (let k = 0; k <= n; k++) times.push(from + ((end - from) * k) / n);
-  const [tabled, finest] = control === null ? [0, 0] : [P.accuracy.tabled, P.accuracy.halvings], nodes = [gamma, 1], pose0 = new Float64Array(14);
+  const [tabled, traced, finest] = control === null ? [0, 0, 0] : ['tabled', 'traced', 'halvings'].map((name) => P.accuracy[name]), nodes = [gamma, 1], pose0 = new Float64Array(14);
   const tables = Array.from({ length: tabled + 1 }, (_, level) => new Float64Array(28 * (times.length - 1) * 2 ** level).fill(NaN));
   while (tables.length <= finest) tables.push(new Float64Array(28)); // of the step that is asked for last
   /** Where in a level's table both nodes of a step are, 28 numbers. */
@@ -89,7 +89,7 @@ function motion(dt) {
   };
   footPose(0, 0, pose0, 0);
   footPose(0, 1, pose0, 7);
-  const made = { times, tabled, finest, tables, poses, pose0 };
+  const made = { times, traced, finest, tables, poses, pose0 };
   motions.set(dt, made);
   return made;
 }

@@ -180,9 +180,9 @@ function groups(count) {
 const TRACE = 13, EVERY = 2; // steps: forces along soles cost as much as one of Newton's
 /** Walk with plates: why it failed, its raw results, rows of `TRACE` numbers, and the forces along both soles at some of their times. */
 function walkPlates(sole, zeta, mass, dt = P.accuracy.dt, repeat = 0) {
-  const W = world(zeta, mass), { times, tabled, finest, tables, poses, pose0 } = motion(dt), { control } = P.accuracy;
+  const W = world(zeta, mass), { times, traced, finest, tables, poses, pose0 } = motion(dt), { control } = P.accuracy;
   let [now, after] = [0, 1].map(() => ({ x: 0, z: 0, vx: 0, vz: 0, force: new Float64Array(FORCES), sums: new Float64Array(4), reversal: null }));
-  const { parts, of } = groups(sole.x.length), row = 1 << (finest - tabled), most = (times.length - 1) << tabled, rows = new Float64Array(TRACE * most);
+  const { parts, of } = groups(sole.x.length), row = 1 << (finest - traced), most = (times.length - 1) << traced, rows = new Float64Array(TRACE * most);
   const when = [], arrows = new Float64Array(4 * parts * (Math.ceil(most / EVERY) + 1));
   const height = staticHeight(W, sole, pose0), strike = P.strike ?? Infinity;
   const end = (reason, raw = null) => ({ reason, raw, rows, made, when, arrows: arrows.subarray(0, 4 * parts * when.length) });

@@ -223,6 +223,7 @@ def physics(
             "gamma": STEPPERS[STEPPER].parameters.gamma,
             "rest": discretize.REST,
             "halvings": discretize.HALVINGS,
+            "traced": discretize.TRACED,
             "tabled": discretize.TABLED,
             "newton": newton.NEWTON,
             "most": newton.MAX_NEWTON,
