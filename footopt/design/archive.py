@@ -107,7 +107,10 @@ class Archive:
 
     def affordable(self, k: Ints, most: float) -> int:
         """How many of some designs, from the first on, fit into a budget of `most` different designs."""
-        fresh, room = self.known.fresh(k), most - len(self.known)
+        room = most - len(self.known)
+        if len(k) <= room:
+            return len(k)
+        fresh = self.known.fresh(k)
         return len(k) if len(fresh) <= room else int(fresh[int(room)])
 
     def evaluate(self, k: Ints) -> tuple[Array, Array]:

@@ -44,9 +44,7 @@ class Plates(NamedTuple):
         if top is not None:
             closing = cap(points, top, cuts[0].shape[2])
             cuts.append(cut(closing, numbered(len(points), closing.shape[1])))
-        span = np.zeros(len(points))
-        if RULES[rule] > 1:
-            span = (cuts[0][4] * width[:, None]).mean(axis=1) / width
+        span = cuts[0][4].mean(axis=1) if RULES[rule] > 1 else np.zeros(len(points))
         x, z, c2, s2, length, tx, tz, turn = cuts[0] if top is None else np.concatenate(cuts, axis=2)
         x, z, area = x - ankle[:, :1], z - ankle[:, 1:], length * width[:, None]
         return cls(x, z, c2, s2, area, tx, tz, turn, span, np.full(len(points), width))
