@@ -222,13 +222,10 @@ def walk_batch(
         trace=np.full((rows, COLUMNS), np.nan),
         bristles=None if world.bristle_length is None else np.zeros((rows, 2, 2, padded), np.float32),
     )
-    walk = compiled_for(walk_designs, constants.effects.all, stepper)
-
-    workers = at_once(threads)
+    walk, workers = compiled_for(walk_designs, constants.effects.all, stepper), at_once(threads)
     size = min(BLOCK, 1 + designs // (4 * workers))
-
     blocks = range(0, designs, size)
-    left = iter(blocks)  # the next one for each thread that is free
+    left = iter(blocks)  # a thread that is free takes the next one
 
     def run() -> None:
         for begin in left:
