@@ -161,7 +161,7 @@ def _ask_and_tell(
             ended = stops and end.has_terminated() and not end.force_termination
             ended = ended or len(archive.history) == solver.n_gen or solver.name == EXHAUSTIVE
             return "" if ended else ENOUGH
-        k = as_heights(proposed.get("X"), archive.problem)
+        k = as_heights([one.X for one in np.atleast_1d(proposed)], archive.problem)
         count = archive.affordable(k, most)  # the last generation is cut where the budget ends
         found = archive.evaluate(k[:count])
         if count == len(k):
@@ -210,8 +210,9 @@ def _begun(problem: FootProblem, solver: Solver, known: Known, start: Any, termi
 def _tell(algorithm: Any, proposed: Any, f: Array, g: Array) -> None:
     """Tell F and G of the generation that was proposed, (designs, ...)."""
     violation = np.maximum(g, 0.0).sum(axis=1, keepdims=True)  # which pymoo would compute for each design
-    for one, *columns in zip(np.atleast_1d(proposed), f, g, violation, strict=True):  # may be one individual
-        one.F, one.G, one.CV = columns
+    individuals, columns = np.atleast_1d(proposed), map(list, (f, g, violation))  # it may be one individual
+    for one, *values in zip(individuals, *columns, strict=True):
+        one.F, one.G, one.CV = values
         one.evaluated.update("FG")
     algorithm.evaluator.n_eval += len(f)
     algorithm.tell(infills=proposed)

@@ -1,5 +1,6 @@
 """From a contour to plates, at equal steps along its arc."""
 
+from functools import lru_cache
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -111,6 +112,7 @@ def cap(sole: Array, top: Array, plates: int) -> Array:
     return np.concatenate(pieces, axis=1)
 
 
+@lru_cache(maxsize=8)
 def numbered(designs: int, count: int) -> Ints:
     """Numbers from 0 of the points of each design, (designs, count)."""
     return np.tile(np.arange(count), (designs, 1))
