@@ -232,7 +232,11 @@ def walk_batch(
             walk(stepper, soles, constants, course, out, begin, min(begin + size, designs))
 
     others = [_pool(workers - 1).submit(run) for _ in range(min(workers, len(blocks)) - 1)]
-    run()
+    try:
+        run()
+    finally:
+        for _ in left:  # nobody goes on if it was interrupted
+            pass
     for other in others:
         other.result()
     again = np.flatnonzero(out.status == DIVERGED)

@@ -1,5 +1,7 @@
 """Whole walks: an independent program, balances, orders, symmetries, and bit for bit the same again."""
 
+import threading
+import time
 from dataclasses import replace
 
 import every_effect
@@ -12,7 +14,7 @@ import footopt as fo
 from footopt import compiled
 from footopt.errors import SettingError
 from footopt.gait import LEFT, RIGHT
-from footopt.walk import STEPPERS, own_code
+from footopt.walk import STEPPERS, loop, own_code
 from footopt.walk.accuracy import PRESETS, TOLERANCES
 from footopt.walk.checks import energy_gap
 from footopt.walk.ladder import numerics
@@ -179,6 +181,21 @@ class TestReproducibility:
         assert table.evaluations[0] == walk.evaluations
         assert {name: count[0] for name, count in table.counts.items()} == walk.counts
         np.testing.assert_array_equal(fo.evaluate(ramp_foot, scene).raw, fo.evaluate([ramp_foot], scene).raw)
+
+    def test_no_thread_goes_on_after_an_interrupt(self, regular, monkeypatch):
+        walked, own = [], threading.get_ident()
+
+        def walk(*arguments):
+            walked.append(arguments)
+            if threading.get_ident() == own:
+                raise KeyboardInterrupt
+            time.sleep(0.05)
+
+        monkeypatch.setattr(loop, "compiled_for", lambda *_: walk)
+        with pytest.raises(KeyboardInterrupt):
+            fo.evaluate(fo.Waypoints().random(600, seed=1), regular, fo.Accuracy(), threads=2)
+        time.sleep(0.2)
+        assert 1 <= len(walked) <= 3  # of 38 blocks
 
     def test_a_design_does_not_depend_on_batch_place_or_threads(self, regular):
         """Bit for bit: stores, engines and resume rest on it."""
