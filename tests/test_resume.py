@@ -11,6 +11,7 @@ import pytest
 from motion_files import HUMAN, write_table
 from running import BRIEF, LIMIT, QUICK, footopt, outcome, started, stored, tries, wait_for_designs
 
+from footopt.design import FootProblem
 from footopt.files import identity
 from footopt.files.identity import LOCK
 
@@ -160,6 +161,28 @@ class TestResume:
         done = footopt(*SMALL, "solver.n_gen=5", "hydra.run.dir=fresh", cwd=tmp_path)
         assert done.returncode == 0, done.stderr
         assert outcome(folder) == outcome(tmp_path / "fresh")
+
+
+def test_a_search_that_is_interrupted_has_no_foot_to_print_yet(tmp_path, monkeypatch):
+    """No other law has been searched then."""
+    with monkeypatch.context() as patch:
+        walk, calls = FootProblem.walk, []
+
+        def interrupted(problem, k):
+            calls.append(k)
+            if len(calls) == 3:
+                raise KeyboardInterrupt
+            return walk(problem, k)
+
+        patch.setattr(FootProblem, "walk", interrupted)
+        done = footopt(*SMALL, "hydra.run.dir=run", cwd=tmp_path)
+    folder = tmp_path / "run"
+    assert done.returncode == 130
+    assert "to_print" not in json.loads((folder / "result.json").read_text())
+    assert not [*folder.glob("to_print.*")]
+    assert footopt("resume=run", cwd=tmp_path).returncode == 0
+    assert json.loads((folder / "result.json").read_text())["to_print"]["k"]
+    assert (folder / "to_print.stl").is_file()
 
 
 @pytest.mark.slow

@@ -121,7 +121,7 @@ def _under_laws(study: Study, result: SearchResult, confirmed: Confirmation) -> 
     laws = under.entry(0)
     ranges = {name: [law["change"][name] for law in laws[1:]] for name in problem.record}
     found = Findings({"laws": laws}, ranges, rank)
-    chosen = None if options.laws is None else under.steadiest
+    chosen = None if share is None or len(under.laws) == 1 else under.steadiest
     if chosen is None:
         return found
     foot = replace(Foot.from_waypoints(under.k[chosen], problem.space), name="to print")
