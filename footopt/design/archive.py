@@ -108,9 +108,7 @@ class Archive:
     def affordable(self, k: Ints, most: float) -> int:
         """How many of some designs, from the first on, fit into a budget of `most` different designs."""
         room = most - len(self.known)
-        if len(k) <= room:
-            return len(k)
-        fresh = self.known.fresh(k)
+        fresh = self.known.fresh(k) if len(k) > room else ()
         return len(k) if len(fresh) <= room else int(fresh[int(room)])
 
     def evaluate(self, k: Ints) -> tuple[Array, Array]:
