@@ -231,14 +231,18 @@ def walk_batch(
         for begin in left:
             walk(stepper, soles, constants, course, out, begin, min(begin + size, designs))
 
-    others = [_pool(workers - 1).submit(run) for _ in range(min(workers, len(blocks)) - 1)]
     try:
+        others = [_pool(workers - 1).submit(run) for _ in range(min(workers, len(blocks)) - 1)]
         run()
-    finally:
-        for _ in left:  # nobody goes on if it was interrupted
+        for other in others:
+            other.result()
+    except (
+        BaseException
+    ):  # an interrupt: no thread goes on, nor waits for work in a pool that lost sight of it
+        _pool.cache_clear()
+        for _ in left:
             pass
-    for other in others:
-        other.result()
+        raise
     again = np.flatnonzero(out.status == DIVERGED)
     if len(again) == 0 or repeat == MAX_REPEATS:
         return out

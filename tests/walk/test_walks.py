@@ -197,6 +197,23 @@ class TestReproducibility:
         time.sleep(0.2)
         assert 1 <= len(walked) <= 3  # of 38 blocks
 
+    def test_a_thread_that_is_interrupted_as_it_starts_ends(self, regular, monkeypatch):
+        """Python's pool does not know of it then, and would wait for it for ever."""
+        start, started = threading.Thread.start, []
+
+        def interrupted(thread):
+            start(thread)
+            started.append(thread)
+            raise KeyboardInterrupt
+
+        loop._pool.cache_clear()
+        with monkeypatch.context() as patch:
+            patch.setattr(threading.Thread, "start", interrupted)
+            with pytest.raises(KeyboardInterrupt):
+                fo.evaluate(fo.Waypoints().random(40, seed=1), regular, fo.Accuracy(), threads=2)
+        started[0].join(10)
+        assert not started[0].is_alive()
+
     def test_a_design_does_not_depend_on_batch_place_or_threads(self, regular):
         """Bit for bit: stores, engines and resume rest on it."""
         accuracy, k = fo.Accuracy("sdirk2", 5e-3, 50), fo.Waypoints().random(40, seed=2)
